@@ -88,7 +88,7 @@ static norma_result call_once(
 static double time_call(const bench_case *c, const norma_mesh *mesh, const norma_options *options,
     const outputs *out, size_t runs) {
     double *times = bench_memory(runs, sizeof *times);
-    for (size_t run = 0; run < runs; run++) {
+    for (size_t run = 0; run < runs; ++run) {
         const double begun = bench_now();
         stop_at(call_once(c->call, mesh, options, out), c->name);
         times[run] = bench_now() - begun;
@@ -118,7 +118,7 @@ static double scratch_of(
 
 static void bench_one(const bench *b, const bench_case *c, bench_shape shape,
     const norma_mesh *mesh, const outputs *out) {
-    for (uint32_t threads = 1; threads <= bench_threads(); threads++) {
+    for (uint32_t threads = 1; threads <= bench_threads(); ++threads) {
         bench_pool pool = {0};
         norma_options options = {
             .weight = c->weight, .weld = c->weld, .threads = threads, .isa = b->isa};
@@ -152,14 +152,14 @@ static int is_wanted(const bench *b, const char *name) { return !b->only || strs
 
 static void bench_meshes(const bench *b) {
     int any = 0;
-    for (size_t i = 0; i < CASES_COUNT; i++) any |= is_wanted(b, CASES[i].name);
+    for (size_t i = 0; i < CASES_COUNT; ++i) any |= is_wanted(b, CASES[i].name);
     if (!any) return;
     made_mesh mesh = made_grid(b->triangles);
     outputs out = outputs_for(&mesh);
-    for (int shape = ROWS; shape <= SHUFFLED; shape++) {
+    for (int shape = ROWS; shape <= SHUFFLED; ++shape) {
         if (shape == SHUFFLED) made_shuffle(&mesh);
         const norma_mesh view = made_view(&mesh);
-        for (size_t i = 0; i < CASES_COUNT; i++)
+        for (size_t i = 0; i < CASES_COUNT; ++i)
             if (is_wanted(b, CASES[i].name))
                 bench_one(b, &CASES[i], (bench_shape)shape, &view, &out);
     }
@@ -195,10 +195,10 @@ static dressed_mesh dress_up(void) {
     d.shorts = bench_memory(corners, sizeof *d.shorts);
     d.quads = bench_memory(4 * quads, sizeof *d.quads);
     d.starts = bench_memory(quads + 1, sizeof *d.starts);
-    for (size_t i = 0; i < 3 * d.mesh.position_count; i++)
+    for (size_t i = 0; i < 3 * d.mesh.position_count; ++i)
         d.positions[i] = (double)d.mesh.positions[i / 3][i % 3];
-    for (size_t c = 0; c < corners; c++) d.shorts[c] = (uint16_t)d.mesh.corners[c];
-    for (size_t q = 0; q < quads; q++) {
+    for (size_t c = 0; c < corners; ++c) d.shorts[c] = (uint16_t)d.mesh.corners[c];
+    for (size_t q = 0; q < quads; ++q) {
         const uint32_t *two = d.mesh.corners + 6 * q;
         memcpy(d.quads + 4 * q, (uint32_t[]){two[0], two[1], two[2], two[5]}, 4 * sizeof *two);
         d.starts[q + 1] = (uint32_t)(4 * (q + 1));
@@ -229,7 +229,7 @@ static void bench_dressed(const bench *b, const bench_case *c, const dressed_mes
     double least[DRESSES];
     bench_pool pool = {0};
     outputs out = outputs_for(&d->mesh);
-    for (int i = 0; i < TURNS * DRESSES; i++) {
+    for (int i = 0; i < TURNS * DRESSES; ++i) {
         const bench_dress dress = (bench_dress)(i % DRESSES);
         const norma_mesh view = dressed_view(d, dress);
         const norma_options options = {.weight = c->weight,
@@ -241,7 +241,7 @@ static void bench_dressed(const bench *b, const bench_case *c, const dressed_mes
         const double ns = 1e9 * (bench_now() - begun) / (double)(d->mesh.corner_count / 3);
         if (i < DRESSES || ns < least[dress]) least[dress] = ns;
     }
-    for (int dress = PLAIN; dress < DRESSES; dress++) {
+    for (int dress = PLAIN; dress < DRESSES; ++dress) {
         printf("%-14s %-8s %7.2f ns", c->name, DRESS_NAMES[dress], least[dress]);
         if (dress != PLAIN)
             printf("  %.2f of plain, asked %.2f %s", least[dress] / least[PLAIN],
@@ -256,7 +256,7 @@ static void bench_dressed(const bench *b, const bench_case *c, const dressed_mes
 static void bench_dresses(const bench *b) {
     if (!is_wanted(b, "dress")) return;
     dressed_mesh d = dress_up();
-    for (size_t i = 0; i < DRESS_CASE_COUNT; i++) bench_dressed(b, &DRESS_CASES[i], &d);
+    for (size_t i = 0; i < DRESS_CASE_COUNT; ++i) bench_dressed(b, &DRESS_CASES[i], &d);
     free(d.positions);
     free(d.shorts);
     free(d.quads);
@@ -274,11 +274,11 @@ static void bench_small_mesh(const char *shape, const made_mesh *mesh) {
     const norma_options options = {.threads = NORMA_ALL_THREADS};
     outputs out = outputs_for(mesh);
     const norma_mesh view = made_view(mesh);
-    for (int call = FACES; call <= SPLIT; call++) {
+    for (int call = FACES; call <= SPLIT; ++call) {
         double times[9];
-        for (int run = 0; run < 9; run++) {
+        for (int run = 0; run < 9; ++run) {
             const double begun = bench_now();
-            for (int i = 0; i < CALLS; i++)
+            for (int i = 0; i < CALLS; ++i)
                 stop_at(call_once((bench_call)call, &view, &options, &out), names[call]);
             times[run] = 1e6 * (bench_now() - begun) / CALLS;
         }
@@ -297,7 +297,7 @@ static void bench_small(const bench *b) {
     if (!is_wanted(b, "small")) return;
     made_mesh mesh = made_grid(SMALL);
     bench_small_mesh("rough", &mesh);
-    for (size_t i = 0; i < mesh.position_count; i++) mesh.positions[i][2] *= 0.05F;
+    for (size_t i = 0; i < mesh.position_count; ++i) mesh.positions[i][2] *= 0.05F;
     bench_small_mesh("smooth", &mesh);
     made_free(&mesh);
 }
@@ -318,21 +318,21 @@ static void bench_transforms(const bench *b) {
           *out = bench_memory(3 * (size_t)NORMALS, sizeof *out);
     double *apart = bench_memory(b->runs, sizeof *apart),
            *in_place = bench_memory(b->runs, sizeof *in_place);
-    for (size_t i = 0; i < NORMALS; i++) {
+    for (size_t i = 0; i < NORMALS; ++i) {
         const double a = (double)i * 0.7, z = cos((double)i * 0.3), r = sqrt(1 - z * z);
         in[3 * i] = (float)(r * cos(a));
         in[3 * i + 1] = (float)(r * sin(a));
         in[3 * i + 2] = (float)z;
     }
     const double copy = bench_memcpy_seconds(12 * (size_t)NORMALS, b->runs);
-    for (size_t run = 0; run < b->runs; run++) {
+    for (size_t run = 0; run < b->runs; ++run) {
         double begun = bench_now();
         stop_at(norma_transform_normals(
                     matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, out, 0, NORMALS),
             "transform");
         apart[run] = bench_now() - begun;
     }
-    for (size_t run = 0; run < b->runs; run++) {
+    for (size_t run = 0; run < b->runs; ++run) {
         double begun = bench_now();
         stop_at(norma_transform_normals(
                     matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, in, 0, NORMALS),
@@ -373,16 +373,16 @@ static void bench_matrices(const bench *b) {
           *matrices = bench_memory(9 * (size_t)MODELS, sizeof *matrices);
     double *times = bench_memory(b->runs, sizeof *times);
     uint32_t state = 1;
-    for (size_t i = 0; i < 16 * (size_t)MODELS; i++) {
+    for (size_t i = 0; i < 16 * (size_t)MODELS; ++i) {
         state = state * 1664525U + 1013904223U;
         models[i] = (float)(state >> 8) * 0x1p-23F - 1;
     }
     const double copy = bench_memcpy_seconds(50 * (size_t)MODELS, b->runs);
-    for (size_t threads = 1; threads <= bench_threads(); threads++) {
-        for (size_t run = 0; run < b->runs; run++) {
+    for (size_t threads = 1; threads <= bench_threads(); ++threads) {
+        for (size_t run = 0; run < b->runs; ++run) {
             matrix_share shares[2];
             const double begun = bench_now();
-            for (size_t i = 0; i < threads; i++) {
+            for (size_t i = 0; i < threads; ++i) {
                 const size_t from = i * MODELS / threads;
                 shares[i] = (matrix_share){
                     models + 16 * from, matrices + 9 * from, MODELS / threads, NORMA_OK, 0};
@@ -391,9 +391,9 @@ static void bench_matrices(const bench *b) {
                     stop_at(NORMA_ERROR_MEMORY, "a thread");
             }
             make_share(&shares[threads - 1]);
-            for (size_t i = 0; i + 1 < threads; i++) pthread_join(shares[i].thread, NULL);
+            for (size_t i = 0; i + 1 < threads; ++i) pthread_join(shares[i].thread, NULL);
             times[run] = bench_now() - begun;
-            for (size_t i = 0; i < threads; i++) stop_at(shares[i].result, "matrices");
+            for (size_t i = 0; i < threads; ++i) stop_at(shares[i].result, "matrices");
         }
         print_against_copy(threads == 1 ? "normal-matrices, 1 thread"
                                         : "normal-matrices, 2 threads of the caller's",
@@ -432,7 +432,7 @@ enum {
 static double least_time(const bench_case *c, const norma_mesh *view, const norma_options *options,
     const outputs *out, size_t runs) {
     double least = time_call(c, view, options, out, 1);
-    for (size_t run = 0; run < runs; run++) {
+    for (size_t run = 0; run < runs; ++run) {
         const double time = time_call(c, view, options, out, 1);
         if (time < least) least = time;
     }
@@ -446,9 +446,9 @@ static void bench_growth(const bench *b, const growth_shape *shape, size_t trian
     outputs out = outputs_for(&mesh);
     const norma_mesh view = made_view(&mesh);
     const double made = (double)(mesh.corner_count / 3);
-    for (size_t i = 0; i < GROWTH_CASE_COUNT; i++) {
+    for (size_t i = 0; i < GROWTH_CASE_COUNT; ++i) {
         printf("%-16s %8.0f triangles  %-11s", shape->name, made, GROWTH_CASES[i].name);
-        for (uint32_t threads = 1; threads <= bench_threads(); threads++) {
+        for (uint32_t threads = 1; threads <= bench_threads(); ++threads) {
             bench_pool pool = {0};
             const norma_options options = {.weld = GROWTH_CASES[i].weld,
                 .threads = threads,
@@ -474,9 +474,9 @@ static void bench_growth(const bench *b, const growth_shape *shape, size_t trian
 static void bench_linear(const bench *b) {
     if (!b->only || strncmp(b->only, "linear", 6) != 0)
         return; /* only when asked for: it takes long */
-    for (size_t i = 0; i < GROWTH_COUNT; i++) {
+    for (size_t i = 0; i < GROWTH_COUNT; ++i) {
         double first[GROWTH_CASE_COUNT][2] = {{0}};
-        for (size_t k = 0; k < 3 && GROWTH[i].triangles[k] && is_wanted(b, GROWTH[i].name); k++)
+        for (size_t k = 0; k < 3 && GROWTH[i].triangles[k] && is_wanted(b, GROWTH[i].name); ++k)
             bench_growth(b, &GROWTH[i], GROWTH[i].triangles[k], first);
     }
 }
@@ -486,7 +486,7 @@ static void bench_linear(const bench *b) {
 static norma_isa isa_named(const char *name) {
     static const char *const names[] = {
         "best", "portable", "sse2", "avx2", "avx512", "neon", "simd128"};
-    for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)
+    for (int i = 0; i < (int)(sizeof names / sizeof *names); ++i)
         if (!strcmp(name, names[i])) return (norma_isa)i;
     fprintf(stderr, "bench: %s is no instruction set\n", name);
     exit(2);
@@ -494,7 +494,7 @@ static norma_isa isa_named(const char *name) {
 
 static bench read_arguments(int count, char **arguments) {
     bench b = {.triangles = 10000000, .runs = 7};
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count; ++i) {
         const char *value = i + 1 < count ? arguments[i + 1] : NULL;
         if (value && !strcmp(arguments[i], "--triangles"))
             b.triangles = strtoull(value, NULL, 10);
@@ -506,7 +506,7 @@ static bench read_arguments(int count, char **arguments) {
             b.only = value;
         else
             b.runs = 0;
-        i++;
+        ++i;
     }
     if (b.runs && b.triangles) return b;
     fprintf(stderr, "usage: bench_core [--triangles 10000000] [--runs 7] [--isa "

@@ -31,7 +31,7 @@ static double time_update(
     const plan_bench *b, uint32_t threads, const uint32_t *moved, size_t count, size_t runs) {
     const norma_options options = {.threads = threads};
     double *times = bench_memory(runs, sizeof *times);
-    for (size_t run = 0; run < runs; run++) {
+    for (size_t run = 0; run < runs; ++run) {
         const double begun = bench_now();
         stop_at(norma_plan_update(b->plan, b->view.positions, moved, count, &options, b->out,
                     b->mesh.position_count, NULL),
@@ -47,7 +47,7 @@ static void bench_creation(plan_bench *b) {
     enum { RUNS = 3 };
     double made[RUNS], corners[RUNS];
     float *normals = bench_memory(3 * b->mesh.corner_count, sizeof *normals);
-    for (int run = 0; run < RUNS; run++) {
+    for (int run = 0; run < RUNS; ++run) {
         norma_plan_destroy(b->plan);
         b->plan = NULL;
         const double begun = bench_now();
@@ -68,7 +68,7 @@ static void bench_creation(plan_bench *b) {
 
 static double time_full_call(const plan_bench *b, norma_options options) {
     double *times = bench_memory(b->runs, sizeof *times);
-    for (size_t run = 0; run < b->runs; run++) {
+    for (size_t run = 0; run < b->runs; ++run) {
         const double begun = bench_now();
         stop_at(norma_vertex_normals(&b->view, &options, b->out, b->mesh.position_count, NULL),
             "vertices");
@@ -80,7 +80,7 @@ static double time_full_call(const plan_bench *b, norma_options options) {
 }
 
 static void bench_full_calls(const plan_bench *b) {
-    for (uint32_t threads = 1; threads <= bench_threads(); threads++) {
+    for (uint32_t threads = 1; threads <= bench_threads(); ++threads) {
         const double by_index = time_full_call(
                          b, (norma_options){.weld = NORMA_WELD_NONE, .threads = threads}),
                      by_position = time_full_call(b, (norma_options){.threads = threads});
@@ -94,7 +94,7 @@ static void bench_full_calls(const plan_bench *b) {
  * traffic. */
 static void bench_updates(const plan_bench *b, int shuffled) {
     static const double multiples[2][2] = {{8.5, 5.2}, {25, 14}}, milliseconds[2] = {0.5, 0.3};
-    for (uint32_t threads = 1; threads <= bench_threads(); threads++) {
+    for (uint32_t threads = 1; threads <= bench_threads(); ++threads) {
         const double seconds = time_update(b, threads, NULL, 0, b->runs),
                      nanoseconds = 1e9 * seconds / b->triangles;
         printf("  all moved, %u thread%s %7.2f ns %7.1fx %9.3f ms", threads,
@@ -110,8 +110,8 @@ static void bench_updates(const plan_bench *b, int shuffled) {
 static void bench_brush(const plan_bench *b) {
     const size_t side = (size_t)sqrt((double)b->mesh.position_count);
     size_t count = 0;
-    for (size_t y = 0; y < 32; y++)
-        for (size_t x = 0; x < 32 && count < 1000; x++)
+    for (size_t y = 0; y < 32; ++y)
+        for (size_t x = 0; x < 32 && count < 1000; ++x)
             b->moved[count++] = (uint32_t)((side / 2 + y) * side + side / 3 + x);
     printf("  %zu neighbours moved  %7.1f us (asked of 100,000 triangles: 30)\n", count,
         1e6 * time_update(b, 1, b->moved, count, 201));
@@ -139,7 +139,7 @@ static void bench_size(size_t triangles) {
     b.nanoseconds_1x = 1e9 * bench_memcpy_seconds((size_t)(12 * b.triangles), 9) / b.triangles;
     printf("plans, per vertex, crease 60, %.0f triangles; 1x = %.2f ns per triangle\n", b.triangles,
         b.nanoseconds_1x);
-    for (int shuffled = 0; shuffled < 2; shuffled++) bench_shape(&b, shuffled);
+    for (int shuffled = 0; shuffled < 2; ++shuffled) bench_shape(&b, shuffled);
     free(b.out);
     free(b.moved);
     made_free(&b.mesh);

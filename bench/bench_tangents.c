@@ -29,7 +29,7 @@ static textured_mesh textured(made_mesh made) {
     m.normals = bench_memory(made.position_count, sizeof *m.normals);
     m.texcoords = bench_memory(made.position_count, sizeof *m.texcoords);
     stop_at(norma_vertex_normals(&mesh, NULL, m.normals[0], made.position_count, NULL));
-    for (size_t i = 0; i < made.position_count; i++) {
+    for (size_t i = 0; i < made.position_count; ++i) {
         const float *p = made.positions[i];
         m.texcoords[i][0] = p[0] + 0.1F * p[1] * p[1];
         m.texcoords[i][1] = p[1] + 0.2F * p[0] * p[0];
@@ -47,7 +47,7 @@ static void free_textured(textured_mesh *m) {
 static made_mesh without_indices(made_mesh made) {
     made_mesh to = {.position_count = made.corner_count, .corner_count = made.corner_count};
     to.positions = bench_memory(made.corner_count, sizeof *to.positions);
-    for (size_t c = 0; c < made.corner_count; c++)
+    for (size_t c = 0; c < made.corner_count; ++c)
         memcpy(to.positions[c], made.positions[made.corners[c]], sizeof *to.positions);
     made_free(&made);
     return to;
@@ -67,7 +67,7 @@ static textured_mesh fan(size_t triangles) { return textured(made_fan(triangles)
 /* A fan whose texture goes round with it: at its middle each tangent is opposed to some others. */
 static textured_mesh polar_fan(size_t triangles) {
     textured_mesh m = textured(made_fan(triangles));
-    for (size_t i = 0; i < m.made.position_count; i++) {
+    for (size_t i = 0; i < m.made.position_count; ++i) {
         m.texcoords[i][0] = i ? (float)i / (float)triangles : 0.5F;
         m.texcoords[i][1] = i ? 1 : 0;
     }
@@ -77,7 +77,7 @@ static textured_mesh polar_fan(size_t triangles) {
 static textured_mesh shuffled_polar_fan(size_t triangles) {
     textured_mesh m = polar_fan(triangles);
     uint64_t seed = 7;
-    for (size_t i = triangles; i > 1; i--) {
+    for (size_t i = triangles; i > 1; --i) {
         uint32_t room[3];
         seed = seed * UINT64_C(6364136223846793005) + 1;
         const size_t j = (size_t)(seed >> 33) % i;
@@ -90,7 +90,7 @@ static textured_mesh shuffled_polar_fan(size_t triangles) {
 
 static textured_mesh few_degenerate(size_t triangles) {
     textured_mesh m = sheet(triangles);
-    for (size_t t = 0; t < 16000 && 3 * t < m.made.corner_count; t++)
+    for (size_t t = 0; t < 16000 && 3 * t < m.made.corner_count; ++t)
         m.made.corners[3 * t + 2] = m.made.corners[3 * t + t % 2];
     return m;
 }
@@ -98,14 +98,14 @@ static textured_mesh few_degenerate(size_t triangles) {
 static textured_mesh three_places(size_t triangles) {
     made_mesh made = {.position_count = 3 * triangles, .corner_count = 3 * triangles};
     made.positions = bench_memory(made.position_count, sizeof *made.positions);
-    for (size_t i = 0; i < made.position_count; i++) made.positions[i][i % 3] = 1;
+    for (size_t i = 0; i < made.position_count; ++i) made.positions[i][i % 3] = 1;
     return textured(made);
 }
 
 /* The same, with texture coordinates that differ: no two corners are one. */
 static textured_mesh three_crowds(size_t triangles) {
     textured_mesh m = three_places(triangles);
-    for (size_t i = 0; i < m.made.position_count; i++) m.texcoords[i][0] += (float)i * 0x1p-22F;
+    for (size_t i = 0; i < m.made.position_count; ++i) m.texcoords[i][0] += (float)i * 0x1p-22F;
     return m;
 }
 
@@ -135,7 +135,7 @@ static double least_time(const textured_mesh *m, norma_tangent_mode mode, uint32
     bench_pool pool = {0};
     const norma_options options = {.threads = threads, .allocator = bench_pool_allocator(&pool)};
     double least = 1e300;
-    for (int run = 0; run < RUNS; run++) {
+    for (int run = 0; run < RUNS; ++run) {
         const double begun = bench_now();
         stop_at(norma_corner_tangents(
             &mesh, &normals, &texcoords, mode, &options, tangents, corners, NULL));
@@ -161,9 +161,9 @@ static double least_update(
     const norma_options options = {.threads = threads, .allocator = bench_pool_allocator(&pool)};
     norma_tangent_plan *plan = NULL;
     double least = 1e300;
-    for (size_t i = 0; i < moved_count; i++) moved[i] = (uint32_t)(m->made.position_count / 2 + i);
+    for (size_t i = 0; i < moved_count; ++i) moved[i] = (uint32_t)(m->made.position_count / 2 + i);
     stop_at(norma_tangent_plan_create(&mesh, &normals, &texcoords, mode, NULL, &plan));
-    for (int run = 0; run < RUNS; run++) {
+    for (int run = 0; run < RUNS; ++run) {
         const double begun = bench_now();
         stop_at(norma_tangent_plan_update(plan, mesh.positions, &normals,
             moved_count ? moved : NULL, moved_count, &options, tangents, corners, NULL));
@@ -180,15 +180,15 @@ static double least_update(
 static void print_updates(const textured_mesh *m) {
     const double triangles = (double)m->made.corner_count / 3;
     printf("%-30s", "  updates of a plan");
-    for (int mode = 0; mode < 2; mode++)
-        for (uint32_t threads = 1; threads <= MOST_THREADS; threads++)
+    for (int mode = 0; mode < 2; ++mode)
+        for (uint32_t threads = 1; threads <= MOST_THREADS; ++threads)
             printf(" %8.0f      ",
                 1e3 *
                     least_update(
                         m, mode ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK, threads, 0) /
                     triangles);
     printf("\n  1,000 neighbours moved, us:  ");
-    for (int mode = 0; mode < 2; mode++)
+    for (int mode = 0; mode < 2; ++mode)
         printf(" %8.0f                     ",
             least_update(m, mode ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK, 1, 1000));
     printf("\n");
@@ -200,12 +200,12 @@ int main(int count, char **arguments) {
     if (!triangles) return fprintf(stderr, "usage: bench_tangents [TRIANGLES] [NAME]\n"), 2;
     printf(
         "%-30s %8s %12s %18s %12s\n", "ns per triangle, threads:", "MIKK 1", "2", "STEADY 1", "2");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         if (count > 2 && !strstr(cases[i].name, arguments[2])) continue;
         textured_mesh m = cases[i].make(cases[i].triangles ? cases[i].triangles : triangles);
         printf("%-30s", cases[i].name);
-        for (int mode = 0; mode < 2; mode++)
-            for (uint32_t threads = 1; threads <= MOST_THREADS; threads++) {
+        for (int mode = 0; mode < 2; ++mode)
+            for (uint32_t threads = 1; threads <= MOST_THREADS; ++threads) {
                 const double ns =
                     least_time(&m, mode ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK, threads);
                 double *row = &rows[mode][threads - 1];

@@ -47,7 +47,7 @@ static double least_time(
     const size_t capacity = capacity_of(mesh);
     float *normals = bench_memory(3 * capacity, sizeof *normals);
     double least = 1e300;
-    for (int run = 0; run < (thrown ? COLD_RUNS : RUNS); run++) {
+    for (int run = 0; run < (thrown ? COLD_RUNS : RUNS); ++run) {
         if (thrown) memset(thrown, run, COLD_BYTES);
         const double begun = bench_now();
         call_once(call, mesh, options, normals, capacity);
@@ -62,7 +62,7 @@ static double least_time(
 
 static void print_layout(const char *name, const norma_mesh *mesh) {
     printf("%-36s", name);
-    for (use_call call = BY_INDEX; call < CALLS; call++) {
+    for (use_call call = BY_INDEX; call < CALLS; ++call) {
         bench_pool pool = {0};
         norma_options options = {.allocator = bench_pool_allocator(&pool)};
         printf(" %10.2f", least_time(call, mesh, &options, NULL));
@@ -79,12 +79,12 @@ static void bench_layouts(void) {
     double *doubles = bench_memory(3 * made.position_count, sizeof *doubles);
     float *records = bench_memory(RECORD * made.position_count, sizeof *records);
     uint16_t *shorts = bench_memory(small.corner_count, sizeof *shorts);
-    for (size_t i = 0; i < made.position_count; i++)
-        for (size_t k = 0; k < 3; k++) {
+    for (size_t i = 0; i < made.position_count; ++i)
+        for (size_t k = 0; k < 3; ++k) {
             doubles[3 * i + k] = (double)made.positions[i][k];
             records[RECORD * i + k] = made.positions[i][k];
         }
-    for (size_t i = 0; i < small.corner_count; i++) shorts[i] = (uint16_t)small.corners[i];
+    for (size_t i = 0; i < small.corner_count; ++i) shorts[i] = (uint16_t)small.corners[i];
     printf("%-36s %10s %10s %10s   ns per triangle\n", "how a mesh lies in memory", "by index",
         "default", "corners 60");
     print_layout("2 million, float, 12 bytes apart", &mesh);
@@ -109,7 +109,7 @@ static void bench_layouts(void) {
 /* The mesh of the file with the most triangles. */
 static int largest_mesh(norma_document *document, norma_mesh *mesh) {
     size_t best = SIZE_MAX, most = 0;
-    for (size_t i = 0; i < norma_document_mesh_count(document); i++) {
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i) {
         norma_mesh_info info;
         if (norma_document_mesh_info(document, i, &info) || info.not_read || info.triangles <= most)
             continue;
@@ -133,7 +133,7 @@ static void bench_file(const char *path, unsigned char *thrown) {
     }
     if (largest_mesh(document, &mesh)) {
         printf("%-32.32s %9zu", slash ? slash + 1 : path, triangles_of(&mesh));
-        for (use_call call = BY_INDEX; call < CALLS; call++) {
+        for (use_call call = BY_INDEX; call < CALLS; ++call) {
             bench_pool pool = {0};
             norma_options options = {.allocator = bench_pool_allocator(&pool)};
             const double warm = least_time(call, &mesh, &options, NULL),
@@ -151,12 +151,12 @@ static void bench_file(const char *path, unsigned char *thrown) {
 static void bench_files(int count, char **paths) {
     unsigned char *thrown = bench_memory(COLD_BYTES, 1);
     printf("%-32s %9s", "mesh", "triangles");
-    for (use_call call = BY_INDEX; call < CALLS; call++) printf("  | %-23s", CALL_NAMES[call]);
+    for (use_call call = BY_INDEX; call < CALLS; ++call) printf("  | %-23s", CALL_NAMES[call]);
     printf("\n%-42s", "");
-    for (use_call call = BY_INDEX; call < CALLS; call++)
+    for (use_call call = BY_INDEX; call < CALLS; ++call)
         printf("  | %7s %7s %7s", "warm", "2 thr.", "cold");
     printf("\n");
-    for (int i = 0; i < count; i++) bench_file(paths[i], thrown);
+    for (int i = 0; i < count; ++i) bench_file(paths[i], thrown);
     free(thrown);
 }
 
@@ -171,9 +171,9 @@ static void bench_instances(void) {
     float *models = bench_memory(16 * (size_t)INSTANCES, sizeof *models),
           *matrices = bench_memory(9 * (size_t)INSTANCES, sizeof *matrices);
     uint32_t state = 1;
-    for (size_t i = 0; i < INSTANCES; i++) {
+    for (size_t i = 0; i < INSTANCES; ++i) {
         float *m = models + 16 * i, turn[2], size[3];
-        for (int k = 0; k < 5; k++) {
+        for (int k = 0; k < 5; ++k) {
             state = state * 1664525U + 1013904223U;
             const float random = (float)(state >> 8) * 0x1p-24F;
             if (k < 2)
@@ -185,7 +185,7 @@ static void bench_instances(void) {
         m[8] = turn[1] * size[2], m[10] = turn[0] * size[2], m[15] = 1;
     }
     double least = 1e300;
-    for (int run = 0; run < 5 * RUNS; run++) {
+    for (int run = 0; run < 5 * RUNS; ++run) {
         const double begun = bench_now();
         stop_at(
             norma_normal_matrices(models, INSTANCES, NORMA_WINDING_REVERSED, matrices, INSTANCES),
@@ -211,36 +211,36 @@ typedef struct core_model {
 static void run_jobs(void *user, size_t count, norma_task *task, void *context) {
     core_model *model = user;
     double busy[64] = {0}, most = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const double begun = bench_now();
         task(context, i);
         const double took = bench_now() - begun;
         size_t free_first = 0;
-        for (size_t c = 1; c < model->cores; c++)
+        for (size_t c = 1; c < model->cores; ++c)
             if (busy[c] < busy[free_first]) free_first = c;
         busy[free_first] += took;
         model->in_jobs += took;
     }
-    for (size_t c = 0; c < model->cores; c++) most = busy[c] > most ? busy[c] : most;
+    for (size_t c = 0; c < model->cores; ++c) most = busy[c] > most ? busy[c] : most;
     model->busiest += most;
     model->jobs += count;
-    model->barriers++;
+    ++model->barriers;
 }
 
 static void bench_cores(void) {
     static const size_t cores[] = {1, 2, 4, 8, 16, 32};
     made_mesh made = made_grid(2000000);
-    for (int order = 0; order < 2; order++) {
+    for (int order = 0; order < 2; ++order) {
         if (order) made_shuffle(&made);
         const norma_mesh mesh = made_view(&made);
         float *normals = bench_memory(3 * made.corner_count, sizeof *normals);
-        for (use_call call = BY_INDEX; call < CALLS; call++) {
+        for (use_call call = BY_INDEX; call < CALLS; ++call) {
             double alone = 0;
-            for (size_t i = 0; i < sizeof cores / sizeof *cores; i++) {
+            for (size_t i = 0; i < sizeof cores / sizeof *cores; ++i) {
                 double least = 1e300;
                 core_model best = {0};
                 bench_pool pool = {0};
-                for (int run = 0; run < 4; run++) {
+                for (int run = 0; run < 4; ++run) {
                     core_model model = {.cores = cores[i]};
                     norma_options options = {.threads = (uint32_t)cores[i],
                         .parallel_for = run_jobs,

@@ -33,12 +33,12 @@ made_mesh made_grid(size_t triangles) {
     const size_t cells = (size_t)ceil(sqrt((double)triangles / 2)), row = cells + 1;
     made_mesh mesh = room_for(row * row, 6 * cells * cells, 1);
     uint64_t seed = 1;
-    for (size_t i = 0; i < row * row; i++) {
+    for (size_t i = 0; i < row * row; ++i) {
         const double x = (double)(i % row) / (double)cells, y = (double)(i / row) / (double)cells;
         set(mesh.positions[i], x, y,
             0.1 * sin(20 * x) * cos(15 * y) + 0.2 / (double)cells * random_unit(&seed));
     }
-    for (size_t i = 0; i < cells * cells; i++) {
+    for (size_t i = 0; i < cells * cells; ++i) {
         const uint32_t a = (uint32_t)(i / cells * row + i % cells), b = a + 1,
                        c = a + (uint32_t)row, d = c + 1;
         memcpy(mesh.corners + 6 * i, (uint32_t[]){a, b, d, a, d, c}, 6 * sizeof *mesh.corners);
@@ -48,8 +48,8 @@ made_mesh made_grid(size_t triangles) {
 
 static uint32_t *random_order(size_t count, uint64_t seed) {
     uint32_t *order = bench_memory(count, sizeof *order);
-    for (size_t i = 0; i < count; i++) order[i] = (uint32_t)i;
-    for (size_t i = count; i > 1; i--) {
+    for (size_t i = 0; i < count; ++i) order[i] = (uint32_t)i;
+    for (size_t i = count; i > 1; --i) {
         const size_t j = random_number(&seed) % i;
         const uint32_t k = order[i - 1];
         order[i - 1] = order[j];
@@ -62,10 +62,10 @@ void made_shuffle(made_mesh *mesh) {
     const size_t faces = mesh->corner_count / 3;
     made_mesh to = room_for(mesh->position_count, mesh->corner_count, 1);
     uint32_t *vertex = random_order(mesh->position_count, 2), *face = random_order(faces, 3);
-    for (size_t i = 0; i < mesh->position_count; i++)
+    for (size_t i = 0; i < mesh->position_count; ++i)
         memcpy(to.positions[vertex[i]], mesh->positions[i], sizeof *to.positions);
-    for (size_t f = 0; f < faces; f++)
-        for (size_t k = 0; k < 3; k++)
+    for (size_t f = 0; f < faces; ++f)
+        for (size_t k = 0; k < 3; ++k)
             to.corners[3 * (size_t)face[f] + k] = vertex[mesh->corners[3 * f + k]];
     free(vertex);
     free(face);
@@ -81,7 +81,7 @@ static void set_on_circle(float position[3], size_t i, size_t count) {
 made_mesh made_fan(size_t triangles) {
     made_mesh mesh = room_for(triangles + 1, 3 * triangles, 1);
     set(mesh.positions[0], 0, 0, 0.5);
-    for (size_t i = 0; i < triangles; i++) {
+    for (size_t i = 0; i < triangles; ++i) {
         set_on_circle(mesh.positions[i + 1], i, triangles);
         memcpy(mesh.corners + 3 * i,
             (uint32_t[]){0, (uint32_t)i + 1, (uint32_t)((i + 1) % triangles) + 1},
@@ -93,10 +93,10 @@ made_mesh made_fan(size_t triangles) {
 made_mesh made_soup(size_t triangles) {
     made_mesh mesh = room_for(3 * triangles, 3 * triangles, 0);
     uint64_t seed = 5;
-    for (size_t i = 0; i < triangles; i++) {
+    for (size_t i = 0; i < triangles; ++i) {
         const double x = 1000 * random_unit(&seed), y = 1000 * random_unit(&seed),
                      z = 1000 * random_unit(&seed);
-        for (size_t k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; ++k)
             set(mesh.positions[3 * i + k], x + random_unit(&seed), y + random_unit(&seed),
                 z + random_unit(&seed));
     }
@@ -107,7 +107,7 @@ made_mesh made_tips(size_t triangles) {
     const size_t turns = 4099; /* a prime: no point comes twice, and no triangle is so thin that
                                   doubles would not do */
     made_mesh mesh = room_for(2 * triangles, 3 * triangles, 1);
-    for (size_t i = 0; i < triangles; i++) {
+    for (size_t i = 0; i < triangles; ++i) {
         set(mesh.positions[i], 0, 0, 0.5);
         set_on_circle(mesh.positions[triangles + i], i * turns % triangles, triangles);
         memcpy(mesh.corners + 3 * i,

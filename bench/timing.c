@@ -21,7 +21,7 @@ double bench_now(void) {
 
 double bench_least(const double *times, size_t count) {
     double least = times[0];
-    for (size_t i = 1; i < count; i++) least = times[i] < least ? times[i] : least;
+    for (size_t i = 1; i < count; ++i) least = times[i] < least ? times[i] : least;
     return least;
 }
 
@@ -49,8 +49,8 @@ void *bench_memory(size_t count, size_t size) {
 double bench_memcpy_seconds(size_t bytes, size_t runs) {
     unsigned char *from = bench_memory(bytes, 1), *to = bench_memory(bytes, 1);
     double *times = bench_memory(runs, sizeof *times);
-    for (size_t i = 0; i < bytes; i++) from[i] = (unsigned char)i;
-    for (size_t run = 0; run < runs; run++) {
+    for (size_t i = 0; i < bytes; ++i) from[i] = (unsigned char)i;
+    for (size_t run = 0; run < runs; ++run) {
         const double begun = bench_now();
         memcpy(to, from, bytes);
         __asm__ volatile("" : : "r"(to) : "memory"); /* the copy is wanted, whoever reads it */
@@ -69,7 +69,7 @@ static void *pool_allocate(void *user, size_t size, size_t alignment) {
     bench_pool *pool = user;
     bench_block *block = NULL;
     (void)alignment; /* all are of 64 bytes at least */
-    for (size_t i = 0; i < pool->count && !block; i++)
+    for (size_t i = 0; i < pool->count && !block; ++i)
         if (!pool->blocks[i].used && pool->blocks[i].size == size) block = &pool->blocks[i];
     if (!block) {
         if (pool->count == BENCH_MOST_BLOCKS) return NULL;
@@ -85,7 +85,7 @@ static void *pool_allocate(void *user, size_t size, size_t alignment) {
 
 static void pool_release(void *user, void *memory, size_t size) {
     bench_pool *pool = user;
-    for (size_t i = 0; i < pool->count; i++)
+    for (size_t i = 0; i < pool->count; ++i)
         if (pool->blocks[i].memory == memory) pool->blocks[i].used = 0;
     pool->in_use -= size;
 }
@@ -95,6 +95,6 @@ norma_allocator bench_pool_allocator(bench_pool *pool) {
 }
 
 void bench_pool_free(bench_pool *pool) {
-    for (size_t i = 0; i < pool->count; i++) free(pool->blocks[i].memory);
+    for (size_t i = 0; i < pool->count; ++i) free(pool->blocks[i].memory);
     *pool = (bench_pool){0};
 }

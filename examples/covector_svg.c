@@ -45,7 +45,7 @@ static void draw_arrow(double x, double y, vec2 v, const char *colour) {
 /* The lines n . x = -4 ... 5 as far as the panel's clip path lets them show. */
 static void draw_lines(double x, double y, vec2 n, const char *colour) {
     const double square = dot(n, n), reach = 9;
-    for (int i = -4; i <= 5; i++) {
+    for (int i = -4; i <= 5; ++i) {
         const vec2 foot = {n.x * i / square, n.y * i / square};
         const vec2 along = {-n.y / sqrt(square) * reach, n.x / sqrt(square) * reach};
         printf("<path d=\"M%.2f %.2fL%.2f %.2f\" stroke=\"%s\" stroke-width=\"%s\"/>\n",

@@ -10,10 +10,10 @@ typedef long matrix[MOST][MOST]; /* rows, then columns */
 static long determinant(int n, matrix m) {
     if (n == 0) return 1;
     long sum = 0;
-    for (int column = 0; column < n; column++) {
+    for (int column = 0; column < n; ++column) {
         matrix minor;
-        for (int i = 1; i < n; i++)
-            for (int k = 0, to = 0; k < n; k++)
+        for (int i = 1; i < n; ++i)
+            for (int k = 0, to = 0; k < n; ++k)
                 if (k != column) minor[i - 1][to++] = m[i][k];
         sum += (column % 2 ? -1 : 1) * m[0][column] * determinant(n - 1, minor);
     }
@@ -22,31 +22,31 @@ static long determinant(int n, matrix m) {
 
 static long cofactor(int n, matrix m, int row, int column) {
     matrix minor;
-    for (int i = 0, down = 0; i < n; i++) {
+    for (int i = 0, down = 0; i < n; ++i) {
         if (i == row) continue;
-        for (int k = 0, across = 0; k < n; k++)
+        for (int k = 0, across = 0; k < n; ++k)
             if (k != column) minor[down][across++] = m[i][k];
-        down++;
+        ++down;
     }
     return ((row + column) % 2 ? -1 : 1) * determinant(n - 1, minor);
 }
 
 static void print_row(const char *name, int n, const long *v) {
     printf("  %-18s", name);
-    for (int i = 0; i < n; i++) printf(" %3ld", v[i]);
+    for (int i = 0; i < n; ++i) printf(" %3ld", v[i]);
     printf("\n");
 }
 
 static void multiply(int n, matrix m, const long *v, long *out) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; ++i) {
         out[i] = 0;
-        for (int k = 0; k < n; k++) out[i] += m[i][k] * v[k];
+        for (int k = 0; k < n; ++k) out[i] += m[i][k] * v[k];
     }
 }
 
 static long dot(int n, const long *a, const long *b) {
     long sum = 0;
-    for (int i = 0; i < n; i++) sum += a[i] * b[i];
+    for (int i = 0; i < n; ++i) sum += a[i] * b[i];
     return sum;
 }
 
@@ -55,12 +55,12 @@ static void show(int n, matrix m) {
     const long plane[MOST] = {1, 1, 1, 1};
     matrix cof;
     long through_m[MOST], through_cof[MOST], wrong = 0, right = 0;
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) cof[i][k] = cofactor(n, m, i, k);
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k) cof[i][k] = cofactor(n, m, i, k);
     multiply(n, m, plane, through_m);
     multiply(n, cof, plane, through_cof);
     /* The plane is spanned by e_k - e_0, for k from 1 up. */
-    for (int k = 1; k < n; k++) {
+    for (int k = 1; k < n; ++k) {
         long edge[MOST] = {-1}, moved[MOST], size;
         edge[k] = 1;
         multiply(n, m, edge, moved);

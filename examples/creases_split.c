@@ -14,9 +14,9 @@ enum { SIDES = 12, POSITIONS = 2 * SIDES, FACES = SIDES + 2, CORNERS = 4 * SIDES
 static void make_cylinder(
     float positions[POSITIONS][3], uint32_t corners[CORNERS], uint32_t starts[FACES + 1]) {
     size_t c = 0, face = 0;
-    for (uint32_t i = 0; i < SIDES; i++) {
+    for (uint32_t i = 0; i < SIDES; ++i) {
         const double turn = 2 * 3.14159265358979 * i / SIDES;
-        for (uint32_t top = 0; top < 2; top++) {
+        for (uint32_t top = 0; top < 2; ++top) {
             float *p = positions[i + top * SIDES];
             p[0] = (float)cos(turn);
             p[1] = (float)sin(turn);
@@ -24,12 +24,12 @@ static void make_cylinder(
         }
         const uint32_t next = (i + 1) % SIDES, quad[4] = {i, next, next + SIDES, i + SIDES};
         starts[face++] = (uint32_t)c;
-        for (int k = 0; k < 4; k++) corners[c++] = quad[k];
+        for (int k = 0; k < 4; ++k) corners[c++] = quad[k];
     }
     starts[face++] = (uint32_t)c;
     for (uint32_t i = SIDES; i-- > 0;) corners[c++] = i;
     starts[face++] = (uint32_t)c;
-    for (uint32_t i = 0; i < SIDES; i++) corners[c++] = SIDES + i;
+    for (uint32_t i = 0; i < SIDES; ++i) corners[c++] = SIDES + i;
     starts[face] = (uint32_t)c;
 }
 
@@ -56,7 +56,7 @@ int main(void) {
         return 1;
 
     printf("%d positions became %zu vertices\n", POSITIONS, count);
-    for (size_t v = 0; v < count; v++)
+    for (size_t v = 0; v < count; ++v)
         if (source[v] == 0)
             printf("position 0 as vertex %zu: normal %.3f %.3f %.3f\n", v, (double)normals[v][0],
                 (double)normals[v][1], (double)normals[v][2]);

@@ -30,7 +30,7 @@ static void run_jobs(void *user, size_t count, norma_task *task, void *context) 
     pthread_t threads[4];
     int started = 0;
     job j = {.task = task, .context = context, .count = count};
-    while (started < 4 && !pthread_create(&threads[started], NULL, work, &j)) started++;
+    while (started < 4 && !pthread_create(&threads[started], NULL, work, &j)) ++started;
     work(&j);
     while (started-- > 0) pthread_join(threads[started], NULL);
     ++*(size_t *)user;
@@ -58,8 +58,8 @@ int main(void) {
     static float positions[VERTICES][3], alone[VERTICES][3], with_jobs[VERTICES][3];
     static uint32_t corners[CORNERS];
     size_t c = 0;
-    for (uint32_t y = 0; y < SIDE; y++)
-        for (uint32_t x = 0; x < SIDE; x++) {
+    for (uint32_t y = 0; y < SIDE; ++y)
+        for (uint32_t x = 0; x < SIDE; ++x) {
             float *p = positions[y * SIDE + x];
             p[0] = 0.05F * (float)x;
             p[1] = 0.05F * (float)y;
@@ -67,7 +67,7 @@ int main(void) {
             if (x + 1 == SIDE || y + 1 == SIDE) continue;
             const uint32_t a = y * SIDE + x,
                            two[6] = {a, a + 1, a + SIDE + 1, a, a + SIDE + 1, a + SIDE};
-            for (int i = 0; i < 6; i++) corners[c++] = two[i];
+            for (int i = 0; i < 6; ++i) corners[c++] = two[i];
         }
 
     size_t rounds = 0;

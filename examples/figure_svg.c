@@ -29,16 +29,16 @@ typedef struct panel {
  * that is drawn. */
 static int make_tube(panel *p) {
     uint32_t corners[CORNERS], starts[SIDES + 1];
-    for (uint32_t i = 0; i < SIDES; i++) {
+    for (uint32_t i = 0; i < SIDES; ++i) {
         const double turn = 2 * 3.14159265358979 * i / SIDES;
-        for (uint32_t end = 0; end < 2; end++) {
+        for (uint32_t end = 0; end < 2; ++end) {
             float *point = p->points[i + end * SIDES];
             point[0] = (float)cos(turn);
             point[1] = (float)sin(turn);
             point[2] = (float)end;
         }
         const uint32_t next = (i + 1) % SIDES, quad[4] = {i, next, next + SIDES, i + SIDES};
-        for (uint32_t k = 0; k < 4; k++) corners[4 * i + k] = quad[k];
+        for (uint32_t k = 0; k < 4; ++k) corners[4 * i + k] = quad[k];
         starts[i] = 4 * i;
     }
     starts[SIDES] = CORNERS;
@@ -97,11 +97,11 @@ static void draw_panel(const panel *p) {
            "class=\"formula\">%s</text>\n",
         p->x, p->title, p->x, p->formula);
     printf("<path d=\"");
-    for (int i = 0; i < SIDES; i++)
+    for (int i = 0; i < SIDES; ++i)
         printf("%c%.2f %.2f", i ? 'L' : 'M', p->x + (double)p->points[i][0] * unit,
             p->y - (double)p->points[i][1] * unit);
     printf("Z\" fill=\"#e9e6de\" stroke=\"#57534a\" stroke-width=\"1.6\"/>\n");
-    for (int i = 0; i < SIDES; i++)
+    for (int i = 0; i < SIDES; ++i)
         if (i != MARKED)
             draw_arrow(p->x + (double)p->points[i][0] * unit, p->y - (double)p->points[i][1] * unit,
                 (double)p->normals[i][0], (double)p->normals[i][1], arrow * 0.72, p->colour, 1.1);
@@ -135,7 +135,7 @@ int main(void) {
     const double model[16] = {2, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const float plain[9] = {2, 0, 0, 0, 0.5F, 0, 0, 0, 1};
     float model_float[16], matrix[9];
-    for (int i = 0; i < 16; i++) model_float[i] = (float)model[i];
+    for (int i = 0; i < 16; ++i) model_float[i] = (float)model[i];
 
     static panel before = {
         .x = 150, .y = 180, .title = "before", .formula = "normals n", .colour = "#2b5c9e"};

@@ -20,7 +20,7 @@ int main(int argc, char **argv) {
     if (norma_document_open(argv[1], NULL, &document, &error) != NORMA_DOCUMENT_OK)
         return failed(&error);
 
-    for (size_t i = 0; i < norma_document_mesh_count(document); i++) {
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i) {
         norma_mesh_info info;
         if (norma_document_mesh_info(document, i, &info) != NORMA_DOCUMENT_OK) continue;
         printf("mesh %zu \"%s\": %zu vertices, %zu faces%s%s\n", i, info.name, info.vertices,
@@ -37,7 +37,7 @@ int main(int argc, char **argv) {
     else
         printf("%zu vertices became %zu; %zu had no normal of their own\n", summary.vertices_before,
             summary.vertices_after, summary.filled);
-    for (size_t i = 0; i < norma_document_note_count(document); i++)
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
         printf("note: %s\n", norma_document_note(document, i));
     norma_document_close(document);
     return status;

@@ -32,11 +32,11 @@ int main(void) {
      * bytes and the matrix to 48. */
     enum { INSTANCES = 1000 };
     static float models[INSTANCES][16], block[INSTANCES][12];
-    for (int i = 0; i < INSTANCES; i++) {
+    for (int i = 0; i < INSTANCES; ++i) {
         const float turn = 0.01F * (float)i;
         const float instance[16] = {cosf(turn), sinf(turn), 0, 0, -3 * sinf(turn), 3 * cosf(turn),
             0, 0, 0, 0, 1, 0, (float)i, 0, 0, 1};
-        for (int k = 0; k < 16; k++) models[i][k] = instance[k];
+        for (int k = 0; k < 16; ++k) models[i][k] = instance[k];
     }
     if (norma_normal_matrices_strided(models[0], 64, INSTANCES, NORMA_WINDING_REVERSED, block[0],
             48, 16, INSTANCES) != NORMA_OK)

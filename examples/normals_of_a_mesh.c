@@ -16,8 +16,8 @@ enum {
 
 static void make_sphere(float positions[VERTICES][3], uint32_t corners[CORNERS]) {
     size_t c = 0;
-    for (uint32_t row = 0; row <= ROWS; row++)
-        for (uint32_t column = 0; column <= COLUMNS; column++) {
+    for (uint32_t row = 0; row <= ROWS; ++row)
+        for (uint32_t column = 0; column <= COLUMNS; ++column) {
             const double polar = 3.14159265358979 * row / ROWS,
                          turn = 2 * 3.14159265358979 * (column % COLUMNS) / COLUMNS;
             float *p = positions[row * (COLUMNS + 1) + column];
@@ -28,7 +28,7 @@ static void make_sphere(float positions[VERTICES][3], uint32_t corners[CORNERS])
             if (row == ROWS || column == COLUMNS) continue;
             const uint32_t a = row * (COLUMNS + 1) + column, b = a + COLUMNS + 1;
             const uint32_t quad[6] = {a, b, b + 1, a, b + 1, a + 1};
-            for (int i = 0; i < 6; i++) corners[c++] = quad[i];
+            for (int i = 0; i < 6; ++i) corners[c++] = quad[i];
         }
 }
 
@@ -49,9 +49,9 @@ int main(void) {
 
     /* A point of the unit sphere is its own normal. */
     double worst = 0;
-    for (size_t v = 0; v < VERTICES; v++) {
+    for (size_t v = 0; v < VERTICES; ++v) {
         double dot = 0;
-        for (int i = 0; i < 3; i++) dot += (double)normals[v][i] * (double)positions[v][i];
+        for (int i = 0; i < 3; ++i) dot += (double)normals[v][i] * (double)positions[v][i];
         if (acos(fmin(dot, 1)) > worst) worst = acos(fmin(dot, 1));
     }
     printf("%d vertices; worst difference to the sphere %.2f degrees\n", VERTICES,

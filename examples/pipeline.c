@@ -6,15 +6,15 @@
 
 static void print_vector(const char *name, const double *v, int size) {
     printf("%-10s", name);
-    for (int i = 0; i < size; i++) printf(" %8.4f", v[i] == 0 ? 0.0 : v[i]);
+    for (int i = 0; i < size; ++i) printf(" %8.4f", v[i] == 0 ? 0.0 : v[i]);
     printf("\n");
 }
 
 /* out = M p, both with four components, M column-major. */
 static void apply(const float m[16], const double p[4], double out[4]) {
-    for (int row = 0; row < 4; row++) {
+    for (int row = 0; row < 4; ++row) {
         out[row] = 0;
-        for (int k = 0; k < 4; k++) out[row] += (double)m[4 * k + row] * p[k];
+        for (int k = 0; k < 4; ++k) out[row] += (double)m[4 * k + row] * p[k];
     }
 }
 
@@ -40,7 +40,7 @@ int main(void) {
     apply(model, point, world);
     apply(view, world, eye);
     apply(clip, eye, clipped);
-    for (int i = 0; i < 3; i++) device[i] = clipped[i] / clipped[3];
+    for (int i = 0; i < 3; ++i) device[i] = clipped[i] / clipped[3];
     pixel[0] = (device[0] + 1) / 2 * 640;
     pixel[1] = (device[1] + 1) / 2 * 480;
     print_vector("object", point, 3);

@@ -17,7 +17,7 @@ typedef struct corner {
 
 static void make_squares(corner corners[CORNERS]) {
     static const float square[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
-    for (int c = 0; c < CORNERS; c++) {
+    for (int c = 0; c < CORNERS; ++c) {
         const float x = square[c % 6][0], y = square[c % 6][1];
         const int mirrored = c >= 6;
         corners[c] = (corner){{x + (float)mirrored, y, 0}, {0, 0, 1}, {mirrored ? 1 - x : x, y},
@@ -62,7 +62,7 @@ int main(void) {
         return 1;
 
     printf("%d corners became %zu vertices, indices of %zu bytes\n", CORNERS, count, size);
-    for (size_t v = 0; v < count; v++)
+    for (size_t v = 0; v < count; ++v)
         printf("vertex %zu at %g %g: tangent %g %g %g, sign %+g\n", v,
             (double)vertices[v].position[0], (double)vertices[v].position[1],
             (double)tangents[v][0], (double)tangents[v][1], (double)tangents[v][2],

@@ -21,7 +21,7 @@ int main(void) {
 
     const double model[16] = {-2, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1};
     float model_float[16], matrix[9];
-    for (int i = 0; i < 16; i++) model_float[i] = (float)model[i];
+    for (int i = 0; i < 16; ++i) model_float[i] = (float)model[i];
     norma_matrix_info info;
     if (norma_normal_matrix(model_float, NORMA_WINDING_REVERSED, matrix, &info) != NORMA_OK)
         return 1;

@@ -26,8 +26,8 @@ static PetscErrorCode make_torus(PetscMPIInt rank, DM *dm) {
     static PetscReal points[3 * VERTICES];
     double normal[3];
     PetscFunctionBeginUser;
-    for (PetscInt v = 0; v < VERTICES; v++) place(v, points + 3 * v, normal);
-    for (PetscInt c = 0; c < CELLS; c++) {
+    for (PetscInt v = 0; v < VERTICES; ++v) place(v, points + 3 * v, normal);
+    for (PetscInt c = 0; c < CELLS; ++c) {
         const PetscInt x = c / 2 % AROUND, y = c / 2 / AROUND, x1 = (x + 1) % AROUND,
                        y1 = (y + 1) % ACROSS;
         corners[3 * c] = y * AROUND + x;
@@ -48,7 +48,7 @@ static PetscErrorCode distribute(DM *dm, PetscInt **numbers) {
     PetscFunctionBeginUser;
     PetscCall(DMPlexGetChart(*dm, &begin, &end));
     PetscCall(PetscMalloc1(end, &before));
-    for (PetscInt p = begin; p < end; p++) before[p] = p;
+    for (PetscInt p = begin; p < end; ++p) before[p] = p;
     PetscCall(DMPlexDistribute(*dm, 0, &sf, &parts));
     if (!parts) { /* one rank */
         *numbers = before;
@@ -86,21 +86,21 @@ static PetscErrorCode read_part(DM dm, const PetscInt *numbers, part *p) {
     PetscCall(DMGetCoordinateSection(dm, &section));
     PetscCall(DMGetCoordinatesLocal(dm, &points));
     PetscCall(VecGetArrayRead(points, &values));
-    for (PetscInt v = vertices[0]; v < vertices[1]; v++) {
+    for (PetscInt v = vertices[0]; v < vertices[1]; ++v) {
         PetscInt offset;
         PetscCall(PetscSectionGetOffset(section, v, &offset));
-        for (PetscInt k = 0; k < 3; k++)
+        for (PetscInt k = 0; k < 3; ++k)
             p->points[3 * (v - vertices[0]) + k] = PetscRealPart(values[offset + k]);
     }
     PetscCall(VecRestoreArrayRead(points, &values));
-    for (PetscInt c = cells[0]; c < cells[1]; c++) {
+    for (PetscInt c = cells[0]; c < cells[1]; ++c) {
         const PetscInt *cone;
         PetscCall(DMPlexGetCone(dm, c, &cone));
-        for (PetscInt k = 0; k < 3; k++)
+        for (PetscInt k = 0; k < 3; ++k)
             p->corners[3 * (c - cells[0]) + k] = (uint32_t)(cone[k] - vertices[0]);
         p->face_ids[c - cells[0]] = (uint64_t)numbers[c];
     }
-    for (PetscInt v = vertices[0]; v < vertices[1]; v++)
+    for (PetscInt v = vertices[0]; v < vertices[1]; ++v)
         p->vertex_ids[v - vertices[0]] = (uint64_t)(numbers[v] - CELLS);
     all = vertices[1] - vertices[0];
     p->mesh.corners = p->corners;
@@ -116,7 +116,7 @@ static PetscErrorCode read_part(DM dm, const PetscInt *numbers, part *p) {
 /* Positive, so that the largest of all ranks' is that of a rank that has the vertex. */
 static uint64_t hash_normal(uint64_t vertex, const float normal[3]) {
     uint64_t hash = vertex + 1;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         uint32_t bits;
         memcpy(&bits, normal + k, sizeof bits);
         hash = (hash ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
@@ -131,12 +131,12 @@ static PetscErrorCode report(const part *p, const char *how) {
     uint64_t bits = 0;
     PetscFunctionBeginUser;
     memset(hashes, 0, sizeof hashes);
-    for (size_t v = 0; v < p->mesh.positions.count; v++) {
+    for (size_t v = 0; v < p->mesh.positions.count; ++v) {
         double point[3], exact[3], cosine = 0, sine = 0;
         const float *n = p->normals + 3 * v;
         place((PetscInt)p->vertex_ids[v], point, exact);
-        for (int k = 0; k < 3; k++) cosine += (double)n[k] * exact[k];
-        for (int k = 0; k < 3; k++) sine += pow((double)n[k] - cosine * exact[k], 2);
+        for (int k = 0; k < 3; ++k) cosine += (double)n[k] * exact[k];
+        for (int k = 0; k < 3; ++k) sine += pow((double)n[k] - cosine * exact[k], 2);
         const double error = atan2(sqrt(sine), cosine) * 180 / PETSC_PI;
         worst = PetscMax(worst, error);
         wrong[0] += error > 0.1;
@@ -146,7 +146,7 @@ static PetscErrorCode report(const part *p, const char *how) {
         MPI_Allreduce(MPI_IN_PLACE, hashes, VERTICES, MPI_INT64_T, MPI_MAX, PETSC_COMM_WORLD));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, wrong, 2, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD));
-    for (size_t v = 0; v < VERTICES; v++) bits = bits * 31 + hashes[v];
+    for (size_t v = 0; v < VERTICES; ++v) bits = bits * 31 + hashes[v];
     PetscCall(PetscPrintf(PETSC_COMM_WORLD,
         "%-26s %5.1f %% of the vertices wrong by more than 0.1 degrees, worst %.2f; bits "
         "%016llx\n",

@@ -21,7 +21,7 @@ typedef struct part {
 static void place(uint32_t vertex, float *point, float *normal) {
     const double u = 2 * PI * (vertex % AROUND) / AROUND, v = 2 * PI * (vertex / AROUND) / ACROSS;
     const double n[3] = {cos(v) * cos(u), cos(v) * sin(u), sin(v)};
-    for (int k = 0; k < 3; k++) normal[k] = (float)n[k];
+    for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
     point[0] = (float)((3 + cos(v)) * cos(u));
     point[1] = (float)((3 + cos(v)) * sin(u));
     point[2] = (float)sin(v);
@@ -42,14 +42,14 @@ static int owner(uint32_t x, uint32_t y, int ranks) {
 }
 
 static void fill(part *p, int rank, int ranks) {
-    for (size_t v = 0; v < VERTICES; v++) p->local[v] = UINT32_MAX;
-    for (uint32_t face = 0; face < FACES; face++) {
+    for (size_t v = 0; v < VERTICES; ++v) p->local[v] = UINT32_MAX;
+    for (uint32_t face = 0; face < FACES; ++face) {
         const uint32_t x = face / 2 % AROUND, y = face / 2 / AROUND, x1 = (x + 1) % AROUND,
                        y1 = (y + 1) % ACROSS;
         const uint32_t corners[2][3] = {{y * AROUND + x, y * AROUND + x1, y1 * AROUND + x1},
             {y * AROUND + x, y1 * AROUND + x1, y1 * AROUND + x}};
         if (owner(x, y, ranks) != rank) continue;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             p->corners[3 * p->faces + (size_t)k] = take(p, corners[face % 2][k]);
         p->face_ids[p->faces++] = face;
     }
@@ -64,7 +64,7 @@ static double angle(const float *a, const float *b) { /* in degrees */
 
 static void report(const part *p, const float *normals, const char *how, int rank) {
     double worst = 0, wrong[2] = {0, (double)p->vertices};
-    for (size_t v = 0; v < p->vertices; v++) {
+    for (size_t v = 0; v < p->vertices; ++v) {
         const double error = angle(normals + 3 * v, p->exact + 3 * v);
         worst = fmax(worst, error);
         wrong[0] += error > 0.1;

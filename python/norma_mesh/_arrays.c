@@ -26,9 +26,9 @@ static int64_t read_index(const unsigned char *from, int size, int is_signed) {
  * Returns how many blocks of 1024 were fine. */
 static Py_ssize_t convert_packed(const int64_t *from, Py_ssize_t count, uint32_t *to) {
     Py_ssize_t block = 0;
-    for (; (block + 1) * 1024 <= count; block++) {
+    for (; (block + 1) * 1024 <= count; ++block) {
         uint64_t bad = 0;
-        for (Py_ssize_t i = block * 1024; i < (block + 1) * 1024; i++) {
+        for (Py_ssize_t i = block * 1024; i < (block + 1) * 1024; ++i) {
             bad |= (uint64_t)(from[i] + 1) >> 32 | ((uint64_t)from[i] >> 32);
             to[i] = (uint32_t)from[i];
         }
@@ -53,7 +53,7 @@ static PyObject *indices(PyObject *self, PyObject *arguments) {
     Py_ssize_t done = 0;
     if (size == 8 && column_stride == 8 && (rows < 2 || row_stride == 8 * columns) && from % 8 == 0)
         done = 1024 * convert_packed((const int64_t *)(const void *)place, rows * columns, to);
-    for (; done < rows * columns && bad < 0; done++) {
+    for (; done < rows * columns && bad < 0; ++done) {
         const unsigned char *element = place + done / columns * row_stride;
         const int64_t index = read_index(element + done % columns * column_stride, size, is_signed);
         if (index < 0 || index >= UINT32_MAX)
@@ -73,7 +73,7 @@ static PyObject *copy(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "KnnnK", &from, &rows, &bytes, &stride, &out)) return NULL;
     const unsigned char *in = at(from);
     watch w = norma_py_give_up_lock();
-    for (Py_ssize_t i = 0; i < rows; i++)
+    for (Py_ssize_t i = 0; i < rows; ++i)
         memcpy((unsigned char *)at(out) + i * bytes, in + i * (stride ? stride : bytes),
             (size_t)bytes);
     norma_py_take_lock(&w);

@@ -151,7 +151,7 @@ static norma_stream *parse_streams(PyObject *list, size_t count) {
     const Py_ssize_t streams = PyList_Size(list);
     norma_stream *made = PyMem_Calloc((size_t)streams + 1, sizeof *made);
     if (!made) PyErr_NoMemory();
-    for (Py_ssize_t i = 0; made && i < streams; i++) {
+    for (Py_ssize_t i = 0; made && i < streams; ++i) {
         address data;
         Py_ssize_t size, stride;
         if (PyArg_ParseTuple(PyList_GetItem(list, i), "Knn", &data, &size, &stride)) {
@@ -234,7 +234,7 @@ static PyObject *compare(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "OOOOOdKn", &meshes[0], &normals_of[0], &meshes[1],
             &normals_of[1], &options, &most, &samples, &capacity))
         return NULL;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         norma_attribute n;
         if (!norma_py_mesh_call(meshes[i], options, &calls[i]) ||
             !norma_py_attribute(normals_of[i], &n))
@@ -249,7 +249,7 @@ static PyObject *compare(PyObject *self, PyObject *arguments) {
     if (result == NORMA_OK)
         result = norma_compare_summary(at(samples), (size_t)capacity, most, NULL, &c);
     if (norma_py_take_lock(&w)) return NULL;
-    for (int i = 0; i < 2 && result != NORMA_OK; i++)
+    for (int i = 0; i < 2 && result != NORMA_OK; ++i)
         if (i || norma_find_fault(&calls[i].mesh, NULL, NULL, NULL) != NORMA_OK)
             return refused_mesh(result, &calls[i], NULL);
     return Py_BuildValue("innddddddddn", same, (Py_ssize_t)c.corners, (Py_ssize_t)c.missing, c.area,

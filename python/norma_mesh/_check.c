@@ -20,7 +20,7 @@ static PyObject *sample_of(const norma_sample *s) {
 static PyObject *deviation_of(const norma_deviation *d) {
     if (!d) Py_RETURN_NONE;
     PyObject *bins = PyList_New(NORMA_DEVIATION_BINS);
-    for (Py_ssize_t i = 0; bins && i < NORMA_DEVIATION_BINS; i++)
+    for (Py_ssize_t i = 0; bins && i < NORMA_DEVIATION_BINS; ++i)
         PyList_SetItem(bins, i, PyLong_FromSize_t(d->histogram[i]));
     return Py_BuildValue("iidddddN", (int)d->shading, (int)d->weight, d->crease_angle_rad,
         d->mean_rad, d->p50_rad, d->p99_rad, d->max_rad, bins);
@@ -30,7 +30,7 @@ static PyObject *deviation_of(const norma_deviation *d) {
  * deviation, mesh, cause, impact) */
 static PyObject *finding_of(const norma_finding *f) {
     PyObject *samples = PyList_New((Py_ssize_t)f->sample_count);
-    for (size_t i = 0; samples && i < f->sample_count; i++) {
+    for (size_t i = 0; samples && i < f->sample_count; ++i) {
         PyObject *sample = sample_of(&f->samples[i]);
         if (!sample)
             Py_CLEAR(samples);
@@ -46,7 +46,7 @@ static PyObject *finding_of(const norma_finding *f) {
 
 static PyObject *findings_list(norma_findings *findings) {
     PyObject *list = PyList_New((Py_ssize_t)norma_findings_count(findings));
-    for (size_t i = 0; list && i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; list && i < norma_findings_count(findings); ++i) {
         PyObject *item = finding_of(norma_findings_get(findings, i));
         if (!item)
             Py_CLEAR(list);
@@ -173,7 +173,7 @@ static PyObject *check_arrays(PyObject *self, PyObject *arguments) {
 /* The notes of a document from the given one on, as texts. */
 static PyObject *notes_since(const norma_document *document, size_t first) {
     PyObject *list = PyList_New(0);
-    for (size_t i = first; list && i < norma_document_note_count(document); i++) {
+    for (size_t i = first; list && i < norma_document_note_count(document); ++i) {
         PyObject *note = norma_py_text(norma_document_note(document, i));
         if (!note || PyList_Append(list, note)) Py_CLEAR(list);
         Py_XDECREF(note);
@@ -219,7 +219,7 @@ static PyObject *rules(PyObject *self, PyObject *unused) {
     const norma_rule *rule = norma_rules(&count);
     PyObject *list = PyList_New((Py_ssize_t)count);
     (void)self, (void)unused;
-    for (size_t i = 0; list && i < count; i++) {
+    for (size_t i = 0; list && i < count; ++i) {
         const norma_rule *r = &rule[i];
         PyObject *item = Py_BuildValue("ssiiisssss", r->id, r->name, (int)r->render, (int)r->print,
             (int)r->fix, r->fix_verb, r->what, r->cause, r->why, r->how);
@@ -255,7 +255,7 @@ static PyObject *rules_select(PyObject *self, PyObject *arguments) {
 static PyObject *bounds(PyObject *self, PyObject *unused) {
     PyObject *list = PyList_New(NORMA_DEVIATION_BINS);
     (void)self, (void)unused;
-    for (Py_ssize_t i = 0; list && i < NORMA_DEVIATION_BINS; i++)
+    for (Py_ssize_t i = 0; list && i < NORMA_DEVIATION_BINS; ++i)
         PyList_SetItem(list, i, PyFloat_FromDouble(norma_deviation_bound_rad((size_t)i)));
     return list;
 }

@@ -85,7 +85,7 @@ static PyObject *document_meshes(PyObject *self, PyObject *capsule) {
     if (!document) return NULL;
     const size_t count = norma_document_mesh_count(document);
     PyObject *list = PyList_New((Py_ssize_t)count);
-    for (size_t i = 0; list && i < count; i++) {
+    for (size_t i = 0; list && i < count; ++i) {
         norma_mesh_info info;
         norma_document_mesh_info(document, i, &info);
         PyObject *item = Py_BuildValue("NNnnisnN", norma_py_text(info.name),

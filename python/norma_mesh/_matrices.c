@@ -16,7 +16,7 @@ static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
     if (!doubles)
         result = norma_normal_matrices(
             at(models), (size_t)count, NORMA_WINDING_REVERSED, at(out), (size_t)count);
-    for (size_t i = 0; doubles && i < (size_t)count && !norma_py_let_signals_in(&w, 0); i++) {
+    for (size_t i = 0; doubles && i < (size_t)count && !norma_py_let_signals_in(&w, 0); ++i) {
         const double *model = (const double *)at(models) + 16 * i;
         double *normal_matrix = (double *)at(out) + 9 * i;
         if (norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, normal_matrix, NULL) !=
@@ -40,7 +40,7 @@ static PyObject *matrix_info(PyObject *self, PyObject *argument) {
     norma_matrix_info info;
     (void)self;
     if (PyErr_Occurred()) return NULL;
-    for (size_t i = 0; i < 16; i++) columns[i] = ((const double *)at(model))[i % 4 * 4 + i / 4];
+    for (size_t i = 0; i < 16; ++i) columns[i] = ((const double *)at(model))[i % 4 * 4 + i / 4];
     const norma_result result =
         norma_normal_matrix_double(columns, NORMA_WINDING_REVERSED, unused, &info);
     if (result != NORMA_OK)
@@ -227,14 +227,14 @@ static WITHIN_BOTH void slopes_of(
     if (r->doubles) {
         const double *h = (const double *)r->here + first, *b = (const double *)r->before + first,
                      *a = (const double *)r->after + first;
-        for (int i = 0; i < count; i++) x[i] = (float)((h[i - 1] - h[i + 1]) * r->across);
-        for (int i = 0; i < count; i++) y[i] = (float)((b[i] - a[i]) * r->along);
+        for (int i = 0; i < count; ++i) x[i] = (float)((h[i - 1] - h[i + 1]) * r->across);
+        for (int i = 0; i < count; ++i) y[i] = (float)((b[i] - a[i]) * r->along);
     } else {
         const float *h = (const float *)r->here + first, *b = (const float *)r->before + first,
                     *a = (const float *)r->after + first;
         const float across = (float)r->across, along = (float)r->along;
-        for (int i = 0; i < count; i++) x[i] = (h[i - 1] - h[i + 1]) * across;
-        for (int i = 0; i < count; i++) y[i] = (b[i] - a[i]) * along;
+        for (int i = 0; i < count; ++i) x[i] = (h[i - 1] - h[i + 1]) * across;
+        for (int i = 0; i < count; ++i) y[i] = (b[i] - a[i]) * along;
     }
 }
 
@@ -249,18 +249,18 @@ ALSO_AVX2 static Py_ssize_t write_height_normals(
         float *to = out + 3 * first;
         slopes_of(r, first, count, x, y);
         int steep = 0;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             z[i] = 1 / sqrtf(x[i] * x[i] + y[i] * y[i] + 1);
             x[i] *= z[i];
             y[i] *= z[i];
             steep |= !(z[i] > 1e-15F);
         }
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             to[3 * i] = x[i];
             to[3 * i + 1] = y[i];
             to[3 * i + 2] = z[i];
         }
-        for (int i = 0; steep && i < count; i++)
+        for (int i = 0; steep && i < count; ++i)
             if (!(z[i] > 1e-15F)) wrong += write_height_normal(r, columns, first + i, to + 3 * i);
     }
     if (columns > 1) wrong += write_height_normal(r, columns, columns - 1, out + 3 * columns - 3);
@@ -279,7 +279,7 @@ static PyObject *height_normals(PyObject *self, PyObject *arguments) {
         return NULL;
     const Py_ssize_t row_bytes = columns * (doubles ? 8 : 4);
     watch w = norma_py_give_up_lock();
-    for (Py_ssize_t i = 0; i < rows; i++) {
+    for (Py_ssize_t i = 0; i < rows; ++i) {
         const Py_ssize_t before = i > 0 ? i - 1 : i, after = i + 1 < rows ? i + 1 : i;
         const char *first = at(heights);
         const height_row row = {first + i * row_bytes, first + before * row_bytes,

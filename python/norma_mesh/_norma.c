@@ -63,7 +63,7 @@ PyObject *norma_py_refusal(norma_result result, const norma_fault *fault) {
 static PyObject *weights(PyObject *self, PyObject *unused) {
     PyObject *list = PyList_New(0);
     (void)self, (void)unused;
-    for (int i = 0; list && norma_weight_name((norma_weight)i); i++) {
+    for (int i = 0; list && norma_weight_name((norma_weight)i); ++i) {
         PyObject *name = PyUnicode_FromString(norma_weight_name((norma_weight)i));
         if (!name || PyList_Append(list, name)) Py_CLEAR(list);
         Py_XDECREF(name);
@@ -87,7 +87,7 @@ PyMODINIT_FUNC PyInit__norma(void) {
     PyMethodDef *parts[] = {
         norma_py_calls, norma_py_matrices, norma_py_arrays, norma_py_files, norma_py_rules};
     PyObject *module = PyModule_Create(&definition);
-    for (size_t i = 0; module && i < sizeof parts / sizeof *parts; i++)
+    for (size_t i = 0; module && i < sizeof parts / sizeof *parts; ++i)
         if (PyModule_AddFunctions(module, parts[i])) Py_CLEAR(module);
     return module;
 }

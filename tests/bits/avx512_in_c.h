@@ -12,7 +12,7 @@
 #define __builtin_cpu_supports(x) 1
 
 #define IN_C        static inline __attribute__((always_inline, target("avx2"), unused))
-#define EACH(count) for (int i = 0; i < (count); i++)
+#define EACH(count) for (int i = 0; i < (count); ++i)
 
 /* One result for each lane i of registers a, b, c. */
 #define LANES_1(name, register, count, value)                                                      \

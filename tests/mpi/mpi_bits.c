@@ -44,7 +44,7 @@ static const mesh_kind KINDS[] = {{"any", SHAPES, WAYS, 0}, {"random", SHAPES, B
     {"seams", SHAPE_SEAMS, BY_CHANCE, 0}, {"soup", SHAPE_SOUP, BY_TURNS, 0}};
 
 static const mesh_kind *kind_of(const char *name) {
-    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; i++)
+    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; ++i)
         if (strcmp(name, KINDS[i].name) == 0) return &KINDS[i];
     return NULL;
 }
@@ -69,7 +69,7 @@ static void *room(size_t count, size_t size) {
 static void place_vertex(double *p, int shape, size_t v, size_t side) {
     const double x = (double)(v % side), y = (double)(v / side);
     if (shape == SHAPE_SOUP) {
-        for (int k = 0; k < 3; k++) p[k] = (double)pick(4) - 1;
+        for (int k = 0; k < 3; ++k) p[k] = (double)pick(4) - 1;
         if (pick(3) == 0) p[pick(3)] *= -1; /* -0 here and there */
         return;
     }
@@ -90,15 +90,15 @@ static uint32_t corner_of(int shape, size_t face, size_t k, size_t side, size_t 
 static void fill_faces(whole_mesh *m, int shape, size_t side, int polygons) {
     m->corner = room(8 * m->faces, sizeof *m->corner);
     m->starts = polygons ? room(m->faces + 1, sizeof *m->starts) : NULL;
-    for (size_t f = 0; f < m->faces; f++) {
+    for (size_t f = 0; f < m->faces; ++f) {
         const size_t count = polygons && pick(3) == 0 ? pick(8) : 3;
         const uint32_t odd = pick(64);
-        for (size_t k = 0; k < count; k++)
+        for (size_t k = 0; k < count; ++k)
             m->corner[m->corners + k] =
                 k < 3 ? corner_of(shape, f, k, side, m->vertices) : pick((uint32_t)m->vertices);
         if (shape == SHAPE_LEAVES && f % 2 && count == 3 && m->corners >= 3) {
             const uint32_t *before = &m->corner[m->corners - 3]; /* this one is its other side */
-            for (size_t k = 0; k < 3; k++) m->corner[m->corners + k] = before[2 - k];
+            for (size_t k = 0; k < 3; ++k) m->corner[m->corners + k] = before[2 - k];
         }
         if (odd == 0 && count >= 2) m->corner[m->corners + 1] = m->corner[m->corners];
         m->corners += count;
@@ -108,11 +108,11 @@ static void fill_faces(whole_mesh *m, int shape, size_t side, int polygons) {
 
 static void spoil(whole_mesh *m) {
     const double bad[] = {NAN, INFINITY, -INFINITY};
-    for (size_t i = 0; i < m->vertices / 200; i++)
+    for (size_t i = 0; i < m->vertices / 200; ++i)
         m->points[3 * (size_t)pick((uint32_t)m->vertices) + pick(3)] = bad[pick(3)];
     if (m->doubles && pick(2))
-        for (size_t i = 0; i < 3 * m->vertices; i++) m->points[i] *= pick(2) ? 0x1p300 : 0x1p299;
-    for (size_t i = 0; i < 3 * m->vertices && !m->doubles; i++)
+        for (size_t i = 0; i < 3 * m->vertices; ++i) m->points[i] *= pick(2) ? 0x1p300 : 0x1p299;
+    for (size_t i = 0; i < 3 * m->vertices && !m->doubles; ++i)
         m->points[i] = (double)(float)m->points[i];
 }
 
@@ -125,18 +125,18 @@ static void make_whole(whole_mesh *m, size_t most_faces, const mesh_kind *kind) 
     m->vertices += pick(5); /* of no face, or of the last ones */
     if (kind->isolated) m->vertices *= 2;
     m->points = room(3 * m->vertices, sizeof *m->points);
-    for (size_t v = 0; v < m->vertices; v++) place_vertex(m->points + 3 * v, shape, v, side);
-    for (size_t v = 1; v < m->vertices && shape == SHAPE_SEAMS; v++)
+    for (size_t v = 0; v < m->vertices; ++v) place_vertex(m->points + 3 * v, shape, v, side);
+    for (size_t v = 1; v < m->vertices && shape == SHAPE_SEAMS; ++v)
         if (pick(3) == 0)
             memcpy(m->points + 3 * v, m->points + 3 * (size_t)pick((uint32_t)v),
                 3 * sizeof *m->points);
     if (pick(2)) /* large votes that all but cancel, so that the order of sums shows in floats */
-        for (size_t i = 0; i < 3 * m->vertices; i++) m->points[i] *= (double)(1U << pick(26));
+        for (size_t i = 0; i < 3 * m->vertices; ++i) m->points[i] *= (double)(1U << pick(26));
     fill_faces(m, shape, side, pick(3) == 0);
     if (pick(2))
         spoil(m);
     else
-        for (size_t i = 0; i < 3 * m->vertices && !m->doubles; i++)
+        for (size_t i = 0; i < 3 * m->vertices && !m->doubles; ++i)
             m->points[i] = (double)(float)m->points[i];
 }
 
@@ -149,7 +149,7 @@ static void free_whole(whole_mesh *m) {
 static void *pack_points(const whole_mesh *m, const uint32_t *which, size_t count) {
     float *floats = room(3 * count, m->doubles ? sizeof(double) : sizeof(float));
     double *doubles = (double *)(void *)floats;
-    for (size_t i = 0; i < 3 * count; i++) {
+    for (size_t i = 0; i < 3 * count; ++i) {
         const double value = m->points[3 * (which ? which[i / 3] : i / 3) + i % 3];
         if (m->doubles)
             doubles[i] = value;
@@ -194,7 +194,7 @@ static void add_vertex(part_mesh *p, uint32_t v) {
 }
 
 static void shuffle(uint32_t *numbers, size_t count) {
-    for (size_t i = count; i > 1; i--) {
+    for (size_t i = count; i > 1; --i) {
         const size_t k = pick((uint32_t)i);
         const uint32_t kept = numbers[i - 1];
         numbers[i - 1] = numbers[k];
@@ -214,9 +214,9 @@ static void make_part(
     p->local = room(m->vertices, sizeof *p->local);
     memset(p->local, 0xff, m->vertices * sizeof *p->local);
     p->global = room(m->corners + 2 * m->vertices + 8, sizeof *p->global);
-    for (size_t f = 0; f < m->faces; f++)
+    for (size_t f = 0; f < m->faces; ++f)
         if (owner_of(way, f, m->faces, ranks) == rank) mine[p->faces++] = (uint32_t)f;
-    for (size_t v = 0; v < m->vertices; v++) { /* each on one rank or two, whoever names it */
+    for (size_t v = 0; v < m->vertices; ++v) { /* each on one rank or two, whoever names it */
         const int one = (int)pick((uint32_t)ranks), two = (int)pick((uint32_t)ranks);
         const int twice = pick(3) == 0;
         if (one == rank || (twice && two == rank)) {
@@ -230,8 +230,8 @@ static void make_part(
     p->starts = m->starts ? room(p->faces + 1, sizeof *p->starts) : NULL;
     p->face_ids = ids ? room(p->faces, sizeof *p->face_ids) : NULL;
     size_t corners = 0;
-    for (size_t i = 0; i < p->faces; i++) {
-        for (size_t c = begin_of(m, mine[i]); c < begin_of(m, mine[i] + 1); c++) {
+    for (size_t i = 0; i < p->faces; ++i) {
+        for (size_t c = begin_of(m, mine[i]); c < begin_of(m, mine[i] + 1); ++c) {
             add_vertex(p, m->corner[c]);
             p->corner[corners++] = p->local[m->corner[c]];
         }
@@ -239,7 +239,7 @@ static void make_part(
         if (ids) p->face_ids[i] = FAR + 3 * (uint64_t)mine[i];
     }
     p->vertex_ids = room(p->vertices, sizeof *p->vertex_ids);
-    for (size_t i = 0; i < p->vertices; i++) p->vertex_ids[i] = FAR + 7 * (uint64_t)p->global[i];
+    for (size_t i = 0; i < p->vertices; ++i) p->vertex_ids[i] = FAR + 7 * (uint64_t)p->global[i];
     p->points = pack_points(m, p->global, p->vertices);
     p->mesh = view_of(m, p->points, p->vertices, p->corner, corners, p->starts, p->faces);
     free(mine);
@@ -308,7 +308,7 @@ static int compare(
         printf("seed %lu rank %d: results %d alone, %d in parts\n", seed, rank, first, second);
         wrong = 1;
     }
-    for (size_t i = 0; i < p->vertices && !wrong; i++) {
+    for (size_t i = 0; i < p->vertices && !wrong; ++i) {
         const float *a = got + 4 * i, *b = alone + 3 * (size_t)p->global[i];
         wrong = memcmp(a, b, 3 * sizeof *a) != 0 || got_reasons[i] != reasons[p->global[i]];
         if (wrong) show("differs", seed, rank, o, p->global[i], a, b);
@@ -339,7 +339,7 @@ int main(int argc, char **argv) {
     const size_t faces = argc > 3 ? strtoul(argv[3], NULL, 10) : 400;
     const mesh_kind *kind = kind_of(argc > 4 ? argv[4] : "any");
     if (!kind) MPI_Abort(MPI_COMM_WORLD, 2);
-    for (unsigned long seed = first; seed < first + count && !all; seed++) {
+    for (unsigned long seed = first; seed < first + count && !all; ++seed) {
         whole_mesh m;
         part_mesh p;
         state = seed * 1000003;

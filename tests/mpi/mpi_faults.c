@@ -20,14 +20,14 @@ typedef struct fixture {
 
 /* A bent grid; each rank has every rank-th face and all vertices. */
 static void fill(fixture *f) {
-    for (uint32_t v = 0; v < VERTICES; v++) {
+    for (uint32_t v = 0; v < VERTICES; ++v) {
         const float x = (float)(v % SIDE), y = (float)(v / SIDE);
         const float point[3] = {x, y, 0.01F * x * y};
         memcpy(f->points + 3 * v, point, sizeof point);
         f->vertex_ids[v] = v;
     }
     f->faces = 0;
-    for (uint32_t i = 0; i < 2 * CELLS; i++) {
+    for (uint32_t i = 0; i < 2 * CELLS; ++i) {
         const uint32_t cell = i / 2, a = cell / (SIDE - 1) * SIDE + cell % (SIDE - 1);
         const uint32_t corners[2][3] = {{a, a + 1, a + SIDE}, {a + 1, a + SIDE + 1, a + SIDE}};
         if ((int)(i % (uint32_t)f->ranks) != f->rank) continue;
@@ -47,7 +47,7 @@ static void say(fixture *f, const char *name, norma_result got, norma_result exp
     MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     const int fine = least == most && least == (int)expected;
     f->failed |= !fine;
-    f->number++;
+    ++f->number;
     if (f->rank) return;
     printf("%sok %d - %s\n", fine ? "" : "not ", f->number, name);
     if (!fine) printf("# results from %d to %d, expected %d\n", least, most, (int)expected);
@@ -104,7 +104,7 @@ static void wrong_arguments(fixture *f) {
     if (at_fault(f)) f->corners[5] = VERTICES;
     say(f, "one rank names a position that does not exist", run(f, NULL), NORMA_ERROR_INDEX);
     fill(f);
-    if (at_fault(f)) f->mesh.corner_count--;
+    if (at_fault(f)) --f->mesh.corner_count;
     say(f, "one rank's corners are no multiple of three", run(f, NULL), NORMA_ERROR_ARGUMENT);
     fill(f);
     if (at_fault(f)) f->mesh.corner_count = 0;
@@ -130,7 +130,7 @@ typedef struct memory {
 static void *allocate(void *user, size_t size, size_t alignment) {
     memory *m = user;
     if (m->left == 0) return NULL;
-    if (m->left > 0) m->left--;
+    if (m->left > 0) --m->left;
     void *block = aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
     m->blocks += block != NULL;
     return block;
@@ -138,7 +138,7 @@ static void *allocate(void *user, size_t size, size_t alignment) {
 
 static void release(void *user, void *block, size_t size) {
     (void)size;
-    ((memory *)user)->blocks--;
+    --((memory *)user)->blocks;
     free(block);
 }
 
@@ -146,7 +146,7 @@ static void release(void *user, void *block, size_t size) {
 static void fail_memory(fixture *f, norma_options o, const char *name) {
     int wrong = 0, over = 0;
     long n = 0;
-    for (; !wrong && !over; n++) {
+    for (; !wrong && !over; ++n) {
         memory m = {.left = at_fault(f) ? n : -1};
         o.allocator = (norma_allocator){allocate, release, &m};
         int results[2] = {(int)run(f, &o), 0};
@@ -172,7 +172,7 @@ int main(int argc, char **argv) {
     norma_options o = {.struct_size = sizeof o, .progress = cancel, .progress_user = &f};
     say(&f, "one rank cancels", run(&f, &o), NORMA_CANCELLED);
     o = (norma_options){.struct_size = sizeof o, .fallback = NORMA_FALLBACK_NEAREST};
-    for (int i = 0; i < 3; i++) f.points[3 * 7 + i] = f.points[3 * 9 + i] = 1e38F * 1e38F;
+    for (int i = 0; i < 3; ++i) f.points[3 * 7 + i] = f.points[3 * 9 + i] = 1e38F * 1e38F;
     fail_memory(&f, o, "memory fails on one rank");
     o.weld = NORMA_WELD_DISTANCE;
     o.weld_distance = 0.1;

@@ -22,7 +22,7 @@ int MPI_Alltoallv(const void *from, const int *counts, const int *starts, MPI_Da
     MPI_Comm_size(comm, &ranks);
     MPI_Comm_rank(comm, &rank);
     MPI_Type_size(type, &size);
-    for (int r = 0; r < ranks; r++) {
+    for (int r = 0; r < ranks; ++r) {
         if (r == rank) continue;
         sent += (uint64_t)counts[r] * (uint64_t)size;
         if (size == VOTE || size == NUMBERED_VOTE) votes += (uint64_t)counts[r];
@@ -79,10 +79,10 @@ static void *room(size_t count, size_t size) {
 }
 
 static void fill(grid *g, uint64_t faces, int rank, int ranks, int random) {
-    for (g->side = 2; 2 * (g->side - 1) * (g->side - 1) < faces;) g->side++;
+    for (g->side = 2; 2 * (g->side - 1) * (g->side - 1) < faces;) ++g->side;
     const uint64_t side = g->side, vertices = side * side;
     g->faces = 2 * (side - 1) * (side - 1);
-    for (uint64_t f = 0; f < g->faces; f++) g->here += owner(g, f, ranks, random) == rank;
+    for (uint64_t f = 0; f < g->faces; ++f) g->here += owner(g, f, ranks, random) == rank;
     const size_t most_named = 3 * g->here < vertices ? 3 * g->here : (size_t)vertices;
     g->local = room((size_t)vertices, sizeof *g->local);
     memset(g->local, 0xff, (size_t)vertices * sizeof *g->local);
@@ -91,12 +91,12 @@ static void fill(grid *g, uint64_t faces, int rank, int ranks, int random) {
     g->points = room(most_named, 3 * sizeof *g->points);
     g->vertex_ids = room(most_named, sizeof *g->vertex_ids);
     size_t at = 0;
-    for (uint64_t f = 0; f < g->faces; f++) {
+    for (uint64_t f = 0; f < g->faces; ++f) {
         const uint64_t cell = f / 2, a = cell / (side - 1) * side + cell % (side - 1);
         const uint64_t corner[2][3] = {{a, a + 1, a + side}, {a + 1, a + side + 1, a + side}};
         if (owner(g, f, ranks, random) != rank) continue;
         g->face_ids[at / 3] = f;
-        for (int k = 0; k < 3; k++) g->corners[at++] = take(g, corner[f % 2][k]);
+        for (int k = 0; k < 3; ++k) g->corners[at++] = take(g, corner[f % 2][k]);
     }
 }
 

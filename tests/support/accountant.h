@@ -16,7 +16,7 @@ static inline void *accountant_take(void *user, size_t size, size_t alignment) {
     accountant *a = user;
     (void)alignment;
     if (++a->calls == a->fail_at) return NULL;
-    a->live++;
+    ++a->live;
     unsigned char *block = malloc(size + BEFORE_BLOCK);
     memset(block, 0xA5, size + BEFORE_BLOCK);
     memcpy(block, &size, sizeof size);
@@ -28,7 +28,7 @@ static inline void accountant_give(void *user, void *block, size_t size) {
     if (!block) return;
     unsigned char *start = (unsigned char *)block - BEFORE_BLOCK;
     a->wrong |= memcmp(start, &size, sizeof size) != 0;
-    a->live--;
+    --a->live;
     free(start);
 }
 #endif

@@ -62,8 +62,8 @@ int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count) {
 int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
     signed char *codes = calloc(count, 4);
     assert_non_null(codes);
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < width; k++)
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < width; ++k)
             codes[4 * i + (size_t)k] =
                 (signed char)lround(127 * (double)values[(size_t)width * i + (size_t)k]);
     int number = add(a, codes, count * 4, 5120, 1, 4, count, width, "");
@@ -76,7 +76,7 @@ int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
 static uint16_t nearest_half(double value) {
     uint16_t best = 0;
     double least = INFINITY;
-    for (uint32_t code = 0; code < 0x7c00; code++) {
+    for (uint32_t code = 0; code < 0x7c00; ++code) {
         const int exponent = (int)(code >> 10);
         const double size = exponent ? ldexp(1 + (code & 1023) / 1024.0, exponent - 15)
                                      : ldexp(code, -24),
@@ -93,7 +93,7 @@ static size_t put_number(unsigned char *at, double value, int component) {
     const long code = component == 5131 ? nearest_half(value) : lround(value);
     const float single = (float)value;
     if (component == 5126) memcpy(at, &single, 4);
-    for (size_t i = 0; component != 5126 && i < 4; i++)
+    for (size_t i = 0; component != 5126 && i < 4; ++i)
         at[i] = (unsigned char)((unsigned long)code >>
                                 8 * i); /* what is too much is written over by the next */
     return component == 5120 || component == 5121                        ? 1
@@ -112,9 +112,9 @@ int asset_numbers(
     const size_t size = put_number(probe, 0, component),
                  stride = (size * (size_t)width + 3) / 4 * 4;
     assert_non_null(bytes);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         unsigned char element[48] = {0};
-        for (int k = 0; k < width; k++)
+        for (int k = 0; k < width; ++k)
             put_number(element + (size_t)k * size, largest * values[(size_t)width * i + (size_t)k],
                 component);
         memset(element + (size_t)width * size, 0, sizeof element - (size_t)width * size);
@@ -127,7 +127,7 @@ int asset_numbers(
 }
 
 static void put32(unsigned char *at, size_t value) {
-    for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> 8 * i);
+    for (int i = 0; i < 4; ++i) at[i] = (unsigned char)(value >> 8 * i);
 }
 
 void asset_bytes(gltf_asset *a, const char *rest, size_t *size) {

@@ -20,7 +20,7 @@ static double length(const double a[3]) { return sqrt(a[0] * a[0] + a[1] * a[1] 
 
 static void normalise(double a[3]) {
     const double size = length(a);
-    for (int k = 0; k < 3; k++) a[k] = size > 0 ? a[k] / size : 0;
+    for (int k = 0; k < 3; ++k) a[k] = size > 0 ? a[k] / size : 0;
 }
 
 static void vector_at(norma_vec3_view view, size_t index, double out[3]) {
@@ -28,7 +28,7 @@ static void vector_at(norma_vec3_view view, size_t index, double out[3]) {
     const size_t size = sizes[view.format];
     const unsigned char *at =
         (const unsigned char *)view.data + index * (view.stride ? view.stride : 3 * size);
-    for (int k = 0; k < 3; k++, at += size) {
+    for (int k = 0; k < 3; ++k, at += size) {
         float f;
         int16_t s;
         uint16_t us;
@@ -86,7 +86,7 @@ static void add_corner(const double world[16], const norma_mesh_data *data, size
     double position[3], double normal[3], int mirrored) {
     double p[3], n[3];
     vector_at(data->mesh.positions, vertex, p);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         position[k] = world[k] * p[0] + world[4 + k] * p[1] + world[8 + k] * p[2] + world[12 + k];
     if (data->normals.count == 0) return;
     double cofactor[9];
@@ -94,7 +94,7 @@ static void add_corner(const double world[16], const norma_mesh_data *data, size
     cross(world + 4, world + 8, cofactor);
     cross(world + 8, world, cofactor + 3);
     cross(world, world + 4, cofactor + 6);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         normal[k] = (cofactor[k] * n[0] + cofactor[3 + k] * n[1] + cofactor[6 + k] * n[2]) *
                     (mirrored ? -1 : 1);
     normalise(normal);
@@ -108,7 +108,7 @@ static void add_mesh(
     for (size_t corner = 0; corner + 2 < data->mesh.corner_count; corner += 3) {
         scene_triangle *triangle = new_triangle(scene);
         triangle->node = node;
-        for (size_t k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; ++k)
             add_corner(world, data, corner_at(&data->mesh, corner + (mirrored && k ? 3 - k : k)),
                 triangle->position[k], triangle->normal[k], mirrored);
     }
@@ -117,10 +117,10 @@ static void add_mesh(
 void scene_read(norma_document *document, drawn_scene *scene) {
     memset(scene, 0, sizeof *scene);
     norma_document_error error;
-    for (size_t i = 0; i < norma_document_node_count(document); i++) {
+    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
         assert_int_equal(norma_document_node_info(document, i, &node), NORMA_DOCUMENT_OK);
-        for (size_t k = 0; k < norma_document_mesh_count(document); k++) {
+        for (size_t k = 0; k < norma_document_mesh_count(document); ++k) {
             norma_mesh_info info;
             norma_mesh_data data;
             assert_int_equal(norma_document_mesh_info(document, k, &info), NORMA_DOCUMENT_OK);
@@ -188,15 +188,15 @@ norma_document *scene_of_obj(const char *text) {
 
 double scene_largest(const drawn_scene *scene) {
     double largest = 0;
-    for (size_t i = 0; i < scene->count; i++)
-        for (int k = 0; k < 9; k++)
+    for (size_t i = 0; i < scene->count; ++i)
+        for (int k = 0; k < 9; ++k)
             largest = fmax(largest, fabs(scene->triangles[i].position[k / 3][k % 3]));
     return largest;
 }
 
 void scene_facet_normal(const scene_triangle *triangle, double normal[3]) {
     double a[3], b[3];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         a[k] = triangle->position[1][k] - triangle->position[0][k];
         b[k] = triangle->position[2][k] - triangle->position[0][k];
     }

@@ -16,42 +16,42 @@ static surface allocate(size_t vertices, size_t faces) {
 
 surface surface_torus(size_t around, size_t across) {
     surface s = allocate((around + 1) * (across + 1), 2 * around * across);
-    for (size_t i = 0, v = 0; i <= around; i++)
-        for (size_t k = 0; k <= across; k++, v++) {
+    for (size_t i = 0, v = 0; i <= around; ++i)
+        for (size_t k = 0; k <= across; ++k, ++v) {
             const double a = 2 * PI * (double)(i % around) / (double)around,
                          b = 2 * PI * (double)(k % across) / (double)across;
             const double normal[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)},
                          centre[3] = {3 * cos(a), 3 * sin(a), 0};
-            for (int d = 0; d < 3; d++) {
+            for (int d = 0; d < 3; ++d) {
                 s.normals[3 * v + (size_t)d] = (float)normal[d];
                 s.positions[3 * v + (size_t)d] = (float)(centre[d] + normal[d]);
             }
             s.texcoords[2 * v] = (float)i / (float)around;
             s.texcoords[2 * v + 1] = (float)k / (float)across;
         }
-    for (size_t i = 0, c = 0; i < around; i++)
-        for (size_t k = 0; k < across; k++) {
+    for (size_t i = 0, c = 0; i < around; ++i)
+        for (size_t k = 0; k < across; ++k) {
             const uint32_t here = (uint32_t)(i * (across + 1) + k),
                            next = here + (uint32_t)across + 1;
             const uint32_t two[6] = {here, next, next + 1, here, next + 1, here + 1};
-            for (size_t j = 0; j < 6; j++) s.corners[c++] = two[j];
+            for (size_t j = 0; j < 6; ++j) s.corners[c++] = two[j];
         }
     return s;
 }
 
 surface surface_box(const double centre[3], double half, int inward) {
     surface s = allocate(24, 12);
-    for (uint32_t side = 0; side < 6; side++) {
+    for (uint32_t side = 0; side < 6; ++side) {
         const size_t axis = side / 2, u = (axis + 1) % 3, w = (axis + 2) % 3;
         const double sign = side % 2 ? 1 : -1, facing = inward ? -sign : sign;
-        for (uint32_t k = 0; k < 4; k++) {
+        for (uint32_t k = 0; k < 4; ++k) {
             float *p = s.positions + 3 * (4 * side + k), *n = s.normals + 3 * (4 * side + k);
             p[axis] = (float)(centre[axis] + sign * half);
             p[u] = (float)(centre[u] + (k == 1 || k == 2 ? half : -half));
             p[w] = (float)(centre[w] + (k >= 2 ? half : -half));
             n[axis] = (float)facing;
         }
-        for (uint32_t k = 0; k < 2; k++) {
+        for (uint32_t k = 0; k < 2; ++k) {
             uint32_t *c = s.corners + 3 * (2 * side + k);
             c[0] = 4 * side;
             c[1] = 4 * side + (facing > 0 ? 1 + k : 2 + k);
@@ -70,7 +70,7 @@ surface surface_join(surface a, surface b) {
     memcpy(s.texcoords, a.texcoords, 8 * a.vertices);
     memcpy(s.texcoords + 2 * a.vertices, b.texcoords, 8 * b.vertices);
     memcpy(s.corners, a.corners, 12 * a.faces);
-    for (size_t c = 0; c < 3 * b.faces; c++)
+    for (size_t c = 0; c < 3 * b.faces; ++c)
         s.corners[3 * a.faces + c] = b.corners[c] + (uint32_t)a.vertices;
     surface_free(&a);
     surface_free(&b);
@@ -79,7 +79,7 @@ surface surface_join(surface a, surface b) {
 
 surface surface_soup(surface old) {
     surface s = allocate(3 * old.faces, old.faces);
-    for (size_t c = 0; c < 3 * old.faces; c++) {
+    for (size_t c = 0; c < 3 * old.faces; ++c) {
         memcpy(s.positions + 3 * c, old.positions + 3 * old.corners[c], 12);
         memcpy(s.normals + 3 * c, old.normals + 3 * old.corners[c], 12);
         memcpy(s.texcoords + 2 * c, old.texcoords + 2 * old.corners[c], 8);
@@ -153,7 +153,7 @@ norma_findings *surface_findings(
 
 const norma_finding *finding_of(
     const norma_findings *findings, const char *id, norma_severity severity) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (!strcmp(finding->rule->id, id) &&
             (severity == NORMA_SEVERITY_NONE || finding->severity == severity))
@@ -164,7 +164,7 @@ const norma_finding *finding_of(
 
 int findings_trouble(const norma_findings *findings) {
     int trouble = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (finding->severity <= NORMA_SEVERITY_INFO) continue;
         print_error("%s %s: %s\n", finding->rule->id, finding->where, finding->message);

@@ -105,18 +105,18 @@ static int add_corner(const file_mesh *m, size_t corner, soup *s) {
     const uint32_t numbers[] = {p, n};
     float *to[] = {s->positions + 3 * s->corners, s->normals + 3 * s->corners};
     if (n >= m->data.normals.count || t >= m->more.texcoord_count) return 0;
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 2; ++i) {
         if (views[i]->format != NORMA_FORMAT_FLOAT) return 0;
         const size_t stride = views[i]->stride ? views[i]->stride : 12;
         memcpy(to[i], (const uint8_t *)views[i]->data + numbers[i] * stride, 12);
     }
     memcpy(s->texcoords + 2 * s->corners, m->more.texcoords + 2 * t, 8);
-    s->corners++;
+    ++s->corners;
     return 1;
 }
 
 static void add_face(const file_mesh *m, size_t first, size_t count, soup *s) {
-    for (size_t i = 1; i + 1 < count; i++) {
+    for (size_t i = 1; i + 1 < count; ++i) {
         const size_t before = s->corners;
         if (!add_corner(m, first, s) || !add_corner(m, first + i, s) ||
             !add_corner(m, first + i + 1, s))
@@ -151,7 +151,7 @@ static void answer_mesh(const file_mesh *m, const char *path, way how) {
     const size_t faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
     soup s = soup_create(3 * mesh->corner_count);
     s.corners = 0;
-    for (size_t f = 0; f < faces; f++) {
+    for (size_t f = 0; f < faces; ++f) {
         const size_t first = mesh->face_starts ? mesh->face_starts[f] : 3 * f,
                      end = mesh->face_starts ? mesh->face_starts[f + 1] : 3 * f + 3;
         add_face(m, first, end - first, &s);
@@ -174,7 +174,7 @@ static void answer_file(const char *path, way how) {
     norma_document *document = NULL;
     const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
     if (norma_document_open(path, &options, &document, NULL)) return;
-    for (size_t i = 0; i < norma_document_mesh_count(document); i++) {
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i) {
         file_mesh m = {0};
         if (norma_document_mesh_data(document, i, &m.data, NULL) ||
             norma_document_mesh_attributes(document, i, &m.more, NULL))
@@ -191,7 +191,7 @@ int main(int argc, char **argv) {
                      : !strcmp(argv[1], "meshopt") ? norma_core_meshopt_tangents
                                                    : norma_core_steady_tangents,
         (uint32_t)atoi(argv[2])};
-    for (int i = 3; i < argc; i++) answer_file(argv[i], how);
+    for (int i = 3; i < argc; ++i) answer_file(argv[i], how);
     while (argc == 3 && fread(&corners, sizeof corners, 1, stdin) == 1) answer_input(corners, how);
     return 0;
 }

@@ -34,14 +34,14 @@ typedef struct angle_pass {
 
 static size_t bin_of(const angle_pass *pass, double angle) {
     size_t bin = 0;
-    while (bin + 1 < NORMA_DEVIATION_BINS && angle >= pass->bounds[bin]) bin++;
+    while (bin + 1 < NORMA_DEVIATION_BINS && angle >= pass->bounds[bin]) ++bin;
     return bin;
 }
 
 static void sum_block(void *context, size_t block, size_t begin, size_t end) {
     const angle_pass *pass = context;
     angle_part *part = &pass->parts[block];
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const double angle = (double)pass->surface->angles[c];
         if (angle < 0) continue;
         part->sum += angle;
@@ -49,8 +49,8 @@ static void sum_block(void *context, size_t block, size_t begin, size_t end) {
             part->max = angle;
             part->worst = c;
         }
-        part->count++;
-        part->histogram[bin_of(pass, angle)]++;
+        ++part->count;
+        ++part->histogram[bin_of(pass, angle)];
     }
 }
 
@@ -58,10 +58,10 @@ static void sum_block(void *context, size_t block, size_t begin, size_t end) {
 static uint32_t find_digit(
     const explain_surface *s, int shift, int top, uint32_t known, size_t *rank) {
     uint32_t counts[1 << MOST_BITS] = {0}, digit = 0;
-    for (size_t c = 0; c < s->checked.corner_count; c++) {
+    for (size_t c = 0; c < s->checked.corner_count; ++c) {
         uint32_t bits;
         memcpy(&bits, &s->angles[c], sizeof bits);
-        if ((uint64_t)(bits ^ known) >> top == 0) counts[(bits ^ known) >> shift]++;
+        if ((uint64_t)(bits ^ known) >> top == 0) ++counts[(bits ^ known) >> shift];
     }
     while (*rank >= counts[digit]) *rank -= counts[digit++];
     return digit;
@@ -85,7 +85,7 @@ static void add_angle_part(norma_deviation *d, const angle_part *part, size_t *w
         *worst = part->worst;
     }
     d->corners += part->count;
-    for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++) d->histogram[i] += part->histogram[i];
+    for (size_t i = 0; i < NORMA_DEVIATION_BINS; ++i) d->histogram[i] += part->histogram[i];
 }
 
 norma_result norma_explain_summarise(
@@ -98,11 +98,11 @@ norma_result norma_explain_summarise(
     *d = (norma_deviation){.crease_angle_rad = NAN};
     *worst = SIZE_MAX;
     if (!result) {
-        for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
+        for (size_t i = 0; i < NORMA_DEVIATION_BINS; ++i)
             pass.bounds[i] = norma_deviation_bound_rad(i);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_check_blocks(call, corners, SUMMARY_CORNERS, sum_block, &pass);
-        for (size_t i = 0; i < blocks; i++) add_angle_part(d, &pass.parts[i], worst);
+        for (size_t i = 0; i < blocks; ++i) add_angle_part(d, &pass.parts[i], worst);
     }
     if (!result && d->max_rad > 0) {
         d->mean_rad /= (double)d->corners;
@@ -144,7 +144,7 @@ static int is_chosen(const choice *c, uint32_t position) {
 
 /* The places of the ones, ascending. */
 static void list_marked(const uint8_t *marks, size_t count, uint32_t *places) {
-    for (const uint8_t *at = marks; (at = memchr(at, 1, count - (size_t)(at - marks))); at++)
+    for (const uint8_t *at = marks; (at = memchr(at, 1, count - (size_t)(at - marks))); ++at)
         *places++ = (uint32_t)(at - marks);
 }
 
@@ -159,9 +159,9 @@ static size_t mark_faces(const choice *c, uint8_t *marks) {
     const core_topology *t = c->topology;
     size_t count = 0;
     memset(marks, 0, t->mesh.face_count);
-    for (uint32_t p = 0; p < t->corners_of.position_count; p++) {
+    for (uint32_t p = 0; p < t->corners_of.position_count; ++p) {
         if (!is_chosen(c, p)) continue;
-        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++)
+        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; ++i)
             count += mark_place(marks, norma_core_topology_face(t, t->corners_of.corners[i]));
     }
     return count;
@@ -185,11 +185,11 @@ static void copy_faces(
     const choice *c, const uint32_t *faces, const uint32_t *places, explain_sample *s) {
     const core_topology *t = c->topology;
     size_t at = 0;
-    for (size_t i = 0; i < s->face_count; i++) {
+    for (size_t i = 0; i < s->face_count; ++i) {
         s->starts[i] = (uint32_t)at;
         if (s->groups) s->groups[i] = t->mesh.smoothing_groups[faces[i]];
         for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]);
-             corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
+             corner < norma_core_face_end(&t->mesh, faces[i]); ++corner, ++at) {
             s->corners[at] =
                 (uint32_t)norma_check_last_at(places, s->position_count, t->corners[corner]);
             s->sources[at] = (uint32_t)corner;
@@ -198,7 +198,7 @@ static void copy_faces(
         }
     }
     s->starts[s->face_count] = (uint32_t)at;
-    for (size_t i = 0; i < s->position_count; i++)
+    for (size_t i = 0; i < s->position_count; ++i)
         norma_core_position(&t->mesh, places[i], s->positions[i]);
     s->mesh = (norma_mesh){.positions = {s->positions, s->position_count, 0, NORMA_FORMAT_DOUBLE},
         .corners = s->corners,
@@ -215,9 +215,9 @@ static size_t mark_places(
     const core_mesh *mesh = &c->topology->mesh;
     size_t count = 0;
     memset(marks, 0, mesh->positions.count);
-    for (size_t i = 0; i < s->face_count; i++)
+    for (size_t i = 0; i < s->face_count; ++i)
         for (size_t corner = norma_core_face_begin(mesh, faces[i]);
-             corner < norma_core_face_end(mesh, faces[i]); corner++)
+             corner < norma_core_face_end(mesh, faces[i]); ++corner)
             count += mark_place(marks, c->topology->corners[corner]);
     return count;
 }
@@ -237,7 +237,7 @@ static norma_result copy_sample(
     core_call *call, const choice *c, const uint32_t *faces, explain_sample *s) {
     const core_mesh *mesh = &c->topology->mesh;
     const size_t positions = mesh->positions.count;
-    for (size_t i = 0; i < s->face_count; i++)
+    for (size_t i = 0; i < s->face_count; ++i)
         s->corner_count +=
             norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
     uint32_t *places = norma_core_allocate(call, s->corner_count, sizeof *places);
@@ -334,7 +334,7 @@ static void measure_vertices(void *context, size_t block, size_t begin, size_t e
     const trial_pass *pass = context;
     const explain_surface *s = pass->surface;
     (void)block;
-    for (size_t v = begin; v < end; v++)
+    for (size_t v = begin; v < end; ++v)
         pass->of_vertices[v] = norma_explain_angle(s->stored + 3 * v, s->computed + 3 * v);
 }
 
@@ -342,9 +342,9 @@ static void measure_face_angles(void *context, size_t block, size_t begin, size_
     const trial_pass *pass = context;
     explain_surface *s = pass->surface;
     (void)block;
-    for (size_t f = begin; f < end; f++)
+    for (size_t f = begin; f < end; ++f)
         for (size_t c = norma_core_face_begin(&s->checked, f);
-             c < norma_core_face_end(&s->checked, f); c++)
+             c < norma_core_face_end(&s->checked, f); ++c)
             s->angles[c] = norma_explain_angle(
                 s->stored + 3 * norma_explain_stored_of(s, c), s->computed + 3 * f);
 }
@@ -354,7 +354,7 @@ static void measure_corners(void *context, size_t block, size_t begin, size_t en
     const trial_pass *pass = context;
     explain_surface *s = pass->surface;
     (void)block;
-    for (size_t c = begin; c < end; c++)
+    for (size_t c = begin; c < end; ++c)
         s->angles[c] =
             pass->of_vertices
                 ? pass->of_vertices[norma_core_corner(&s->checked, c)]
@@ -420,10 +420,10 @@ static norma_result mean_angle(explain_search *search, const explain_trial *tria
     const explain_surface *s = search->surface;
     double sum = 0;
     size_t count = 0;
-    for (size_t c = 0; !result && c < s->checked.corner_count; c++) {
+    for (size_t c = 0; !result && c < s->checked.corner_count; ++c) {
         if (s->angles[c] < 0) continue;
         sum += (double)s->angles[c];
-        count++;
+        ++count;
     }
     *mean = count ? sum / (double)count : INFINITY;
     return result;
@@ -448,9 +448,9 @@ static norma_result try_creases(explain_search *search) {
     norma_weight weight = search->best.weight;
     size_t tried[CREASES], count = 0;
     norma_result result = try_one(search, (explain_trial){.weight = weight, .crease_rad = NAN});
-    for (size_t i = 0; i < CREASES && !result && !is_perfect(search); i++) {
+    for (size_t i = 0; i < CREASES && !result && !is_perfect(search); ++i) {
         size_t below = search->below[(size_t)creases_deg[i]], known = 0;
-        while (known < count && tried[known] != below) known++;
+        while (known < count && tried[known] != below) ++known;
         if (known < count) continue;
         tried[count++] = below;
         result = try_one(
@@ -486,7 +486,7 @@ static void count_dihedral(size_t *below, const core_face *a, const core_face *b
         norma_core_angle(sqrt(norma_core_dot(cross, cross)), norma_core_dot(a->normal, b->normal)) /
             radians(1) -
         1e-4;
-    for (size_t i = degrees > 0 ? (size_t)ceil(degrees) : 0; i < DIHEDRALS; i++) below[i]++;
+    for (size_t i = degrees > 0 ? (size_t)ceil(degrees) : 0; i < DIHEDRALS; ++i) ++below[i];
 }
 
 static norma_result count_dihedrals(
@@ -495,7 +495,7 @@ static norma_result count_dihedrals(
     norma_result result = norma_core_topology_open(call, &surface->checked, &t);
     if (result) return result;
     result = norma_core_pair_edges(&t, NULL);
-    for (size_t c = 0; !result && c < t.mesh.corner_count; c++) {
+    for (size_t c = 0; !result && c < t.mesh.corner_count; ++c) {
         core_face a, b;
         if (t.partners[c] >= CORE_EDGE_SPECIAL || t.partners[c] < c) continue;
         norma_core_face_geometry(&t.mesh, norma_core_topology_face(&t, c), &a);
@@ -521,16 +521,16 @@ norma_result norma_explain_each_trial(
     size_t below[DIHEDRALS] = {0}, tried[CREASES];
     norma_result result = count_dihedrals(call, surface, below);
     if (!result) result = visit(&(explain_trial){.flat = 1, .crease_rad = NAN}, context);
-    for (int weight = 0; norma_weight_name((norma_weight)weight) && !result && !*done; weight++) {
+    for (int weight = 0; norma_weight_name((norma_weight)weight) && !result && !*done; ++weight) {
         explain_trial trial = {.weight = (norma_weight)weight, .crease_rad = NAN};
         size_t count = 0;
         result = visit(&trial, context);
-        for (size_t i = 0; i < CREASES && !result && !*done; i++) {
+        for (size_t i = 0; i < CREASES && !result && !*done; ++i) {
             size_t known = 0;
             tried[count] = below[(size_t)creases_deg[i]];
-            while (tried[known] != tried[count]) known++;
+            while (tried[known] != tried[count]) ++known;
             if (known < count) continue;
-            count++;
+            ++count;
             trial.crease_rad = radians(creases_deg[i]);
             result = visit(&trial, context);
         }
@@ -548,7 +548,7 @@ typedef struct stored_pass {
 static void read_stored_normal(const norma_mesh_data *data, size_t number, float *stored) {
     double normal[3] = {0};
     if (number < data->normals.count) norma_view_read(&data->normals, number, normal);
-    for (int k = 0; k < 3; k++) stored[k] = (float)normal[k];
+    for (int k = 0; k < 3; ++k) stored[k] = (float)normal[k];
 }
 
 static size_t stored_number_of(const norma_mesh_data *data, const core_mesh *mesh, size_t corner) {
@@ -559,7 +559,7 @@ static void read_corner_block(void *context, size_t block, size_t begin, size_t 
     const stored_pass *pass = context;
     const explain_surface *s = pass->surface;
     (void)block;
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end; ++i)
         read_stored_normal(pass->data,
             s->per_vertex ? i : stored_number_of(pass->data, &s->checked, i), s->stored + 3 * i);
 }
@@ -573,7 +573,7 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
     result = explain_open(call, &sample.mesh, 0, &surface);
     surface.welded = 1;
     if (!result) {
-        for (size_t c = 0; c < sample.mesh.corner_count; c++)
+        for (size_t c = 0; c < sample.mesh.corner_count; ++c)
             if (sample.whole[c])
                 read_stored_normal(data, stored_number_of(data, checked, sample.sources[c]),
                     surface.stored + 3 * c);
@@ -639,7 +639,7 @@ static norma_result look_for_near(core_call *call, explain_surface *surface, voi
     explain_search search = {.call = call, .surface = surface, .best_mean = INFINITY};
     norma_result result = NORMA_OK;
     for (size_t i = 0; i < sizeof trials / sizeof *trials && !result && !(search.best_mean < far);
-         i++)
+         ++i)
         result = try_one(&search, trials[i]);
     q->is_near = search.best_mean < far;
     return result;

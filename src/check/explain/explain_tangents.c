@@ -25,7 +25,7 @@ typedef struct vertex_sum {
 static void add_triangle(const tangent_surface *s, size_t first, vertex_sum *sums) {
     uint32_t v[3];
     double p[3][3], along_u[3], along_v[3];
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         v[i] = norma_core_corner(&s->checked, first + i);
         norma_core_position(&s->checked, v[i], p[i]);
     }
@@ -35,14 +35,14 @@ static void add_triangle(const tangent_surface *s, size_t first, vertex_sum *sum
                  t1 = (double)b[1] - (double)a[1], t2 = (double)c[1] - (double)a[1],
                  area = s1 * t2 - s2 * t1;
     if (!(fabs(area) > 0)) return;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double x1 = p[1][k] - p[0][k], x2 = p[2][k] - p[0][k];
         along_u[k] = (t2 * x1 - t1 * x2) / area;
         along_v[k] = (s1 * x2 - s2 * x1) / area;
         if (!isfinite(along_u[k]) || !isfinite(along_v[k])) return;
     }
-    for (size_t i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
+    for (size_t i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
             sums[v[i]].along_u[k] += along_u[k];
             sums[v[i]].along_v[k] += along_v[k];
         }
@@ -53,12 +53,12 @@ static void finish_vertex(const float *n, const vertex_sum *sum, float tangent[4
     const double normal[3] = {(double)n[0], (double)n[1], (double)n[2]},
                  along = norma_core_dot(normal, sum->along_u);
     double t[3], bitangent[3];
-    for (int k = 0; k < 3; k++) t[k] = sum->along_u[k] - along * normal[k];
+    for (int k = 0; k < 3; ++k) t[k] = sum->along_u[k] - along * normal[k];
     const double length = sqrt(norma_core_dot(t, t));
     norma_core_cross(normal, t, bitangent);
     memset(tangent, 0, 4 * sizeof *tangent);
     if (!(length > 1e-6 * sqrt(norma_core_dot(sum->along_u, sum->along_u)))) return;
-    for (int k = 0; k < 3; k++) tangent[k] = (float)(t[k] / length);
+    for (int k = 0; k < 3; ++k) tangent[k] = (float)(t[k] / length);
     tangent[3] = norma_core_dot(bitangent, sum->along_v) < 0 ? -1.0F : 1.0F;
 }
 
@@ -69,9 +69,9 @@ static norma_result explain_tangent_sums(
     vertex_sum *sums = norma_core_allocate(call, count, sizeof *sums);
     if (!sums) return NORMA_ERROR_MEMORY;
     memset(sums, 0, count * sizeof *sums);
-    for (size_t f = 0; f < s->checked.face_count; f++)
+    for (size_t f = 0; f < s->checked.face_count; ++f)
         add_triangle(s, norma_core_face_begin(&s->checked, f), sums);
-    for (size_t c = 0; c < s->checked.corner_count; c++) {
+    for (size_t c = 0; c < s->checked.corner_count; ++c) {
         const uint32_t v = norma_core_corner(&s->checked, c);
         finish_vertex(s->normals + 3 * (size_t)v, &sums[v], tangents + 4 * c);
     }
@@ -98,7 +98,7 @@ static norma_result explain_made(
     norma_result result = reasons ? norma_core_corner_tangents(s->mesh, &normals, &texcoords, maker,
                                         &options, tangents, corners, NULL)
                                   : NORMA_ERROR_MEMORY;
-    for (size_t c = 0; !result && c < corners; c++)
+    for (size_t c = 0; !result && c < corners; ++c)
         if (reasons[c] != NORMA_REASON_NONE) memset(tangents + 4 * c, 0, 4 * sizeof *tangents);
     norma_core_release(call, reasons, corners, 1);
     return result;
@@ -114,20 +114,20 @@ typedef struct quad_mesh {
 } quad_mesh;
 
 static void read_tangent_triangle(const tangent_surface *s, size_t face, uint32_t v[3]) {
-    for (size_t i = 0; i < 3; i++) v[i] = norma_core_corner(&s->checked, 3 * face + i);
+    for (size_t i = 0; i < 3; ++i) v[i] = norma_core_corner(&s->checked, 3 * face + i);
 }
 
 /* Where edge i of a is an edge of b that runs the other way, b's third corner, and its place; -1:
  * they do not meet there. */
 static int lies_across(const uint32_t a[3], int i, const uint32_t b[3]) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         if (b[k] == a[(i + 1) % 3] && b[(k + 1) % 3] == a[i]) return (k + 2) % 3;
     return -1;
 }
 
 /* Whether two triangles share one edge, but not all corners: that edge, and the apex across it. */
 static int is_quad(const uint32_t a[3], const uint32_t b[3], int *edge, int *apex) {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         *edge = i;
         *apex = lies_across(a, i, b);
         if (*apex >= 0 && b[*apex] != a[(i + 2) % 3]) return 1;
@@ -145,7 +145,7 @@ static void add_quad(quad_mesh *q, const uint32_t a[3], const uint32_t b[3], int
                    far_apex = (uint32_t)apex, at = (uint32_t)q->corner_count,
                    around[4] = {a[opposite], a[start], b[far_apex], a[end]};
     uint32_t places[4];
-    for (uint32_t i = 0; i < 4; i++) {
+    for (uint32_t i = 0; i < 4; ++i) {
         places[i] = at + (i + 4 - turn) % 4;
         q->corners[places[i]] = around[i];
     }
@@ -156,11 +156,11 @@ static void add_quad(quad_mesh *q, const uint32_t a[3], const uint32_t b[3], int
     q->place[first_corner + 3 + (far_apex + 1) % 3] = places[3];
     q->place[first_corner + 3 + (far_apex + 2) % 3] = places[1];
     q->corner_count += 4;
-    q->quads++;
+    ++q->quads;
 }
 
 static void add_mikk_triangle(quad_mesh *q, const uint32_t a[3], size_t first_corner) {
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         q->corners[q->corner_count + i] = a[i];
         q->place[first_corner + i] = (uint32_t)(q->corner_count + i);
     }
@@ -192,12 +192,12 @@ static norma_result choose_pairs(core_call *call, const tangent_surface *s, uint
     double *sums = norma_core_allocate(call, count + 1, sizeof *sums);
     if (!sums) return NORMA_ERROR_MEMORY;
     sums[0] = sums[1] = 0;
-    for (size_t f = 2; f <= count; f++) {
+    for (size_t f = 2; f <= count; ++f) {
         const double likely = likelihood(s, f - 2), with = sums[f - 2] + likely;
         paired[f - 2] = likely > 0 && with > sums[f - 1];
         sums[f] = paired[f - 2] ? with : sums[f - 1];
     }
-    for (size_t f = count; f >= 2; f--)
+    for (size_t f = count; f >= 2; --f)
         if (paired[f - 2]) {
             --f;
             if (f >= 2) paired[f - 2] = 0;
@@ -208,7 +208,7 @@ static norma_result choose_pairs(core_call *call, const tangent_surface *s, uint
 
 static void put_together(const tangent_surface *s, const uint8_t *paired, quad_mesh *q) {
     const size_t count = s->checked.face_count;
-    for (size_t f = 0; f < count; f++) {
+    for (size_t f = 0; f < count; ++f) {
         uint32_t a[3], b[3];
         int edge, apex;
         read_tangent_triangle(s, f, a);
@@ -256,7 +256,7 @@ static norma_result explain_mikk_on_quads(
     if (!result) put_together(s, paired, &q);
     *any = !result && q.quads > 0;
     if (*any) result = compute_quads(call, s, &q, of_quads);
-    for (size_t c = 0; *any && !result && c < corners; c++)
+    for (size_t c = 0; *any && !result && c < corners; ++c)
         memcpy(tangents + 4 * c, of_quads + 4 * (size_t)q.place[c], 4 * sizeof *tangents);
     norma_core_release(call, q.corners, corners, sizeof *q.corners);
     norma_core_release(call, q.starts, faces + 1, sizeof *q.starts);
@@ -296,12 +296,12 @@ typedef struct tangent_score {
 static tangent_score score_angles(const tangent_search *search) {
     const tangent_surface *s = &search->surface;
     tangent_score score = {0};
-    for (size_t c = 0; c < s->checked.corner_count; c++) {
+    for (size_t c = 0; c < s->checked.corner_count; ++c) {
         const float *stored = s->stored + 4 * (size_t)norma_core_corner(&s->checked, c),
                     *made = search->tangents + 4 * c;
         const float angle = search->angles[c] = norma_explain_angle(stored, made);
         if (angle < 0) continue;
-        score.corners++;
+        ++score.corners;
         score.sum += fmin((double)angle, MOST);
         score.explained += (double)angle <= search->close;
         score.as_is += stored[3] == made[3];
@@ -378,7 +378,7 @@ static norma_result try_turned(tangent_search *search, const float turn[4]) {
     float *turned = search->turned =
         norma_core_allocate(search->call, vertices, 2 * sizeof *turned);
     if (!turned) return NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < vertices; v++) {
+    for (size_t v = 0; v < vertices; ++v) {
         turned[2 * v] = turn[0] * stored[2 * v] + turn[1] * stored[2 * v + 1];
         turned[2 * v + 1] = turn[2] * stored[2 * v] + turn[3] * stored[2 * v + 1];
     }
@@ -443,10 +443,10 @@ static norma_result search_tangents(tangent_search *search, const float turn[4],
     search->best = blocks[1];
     norma_result result =
         search->tangents && blocks[0] && blocks[1] ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t c = 0; !result && c < corners; c++) blocks[1][c] = -1;
+    for (size_t c = 0; !result && c < corners; ++c) blocks[1][c] = -1;
     if (!result) result = find_best(search, turn);
     if (!result) result = report_best(search, worst);
-    for (int i = 0; i < 2; i++) norma_core_release(search->call, blocks[i], corners, sizeof(float));
+    for (int i = 0; i < 2; ++i) norma_core_release(search->call, blocks[i], corners, sizeof(float));
     norma_core_release(
         search->call, search->turned, search->surface.checked.positions.count, 2 * sizeof(float));
     norma_core_release(search->call, search->tangents, corners, 4 * sizeof(float));
@@ -481,10 +481,10 @@ norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data 
         .found = deviation};
     float *normals = search.surface.normals;
     if (!normals) return NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < vertices; v++) {
+    for (size_t v = 0; v < vertices; ++v) {
         double normal[3];
         norma_view_read(&data->normals, v, normal);
-        for (size_t k = 0; k < 3; k++) normals[3 * v + k] = (float)normal[k];
+        for (size_t k = 0; k < 3; ++k) normals[3 * v + k] = (float)normal[k];
     }
     const norma_result result = search_tangents(&search, attributes->texcoord_turn, worst);
     norma_core_release(call, normals, vertices, 3 * sizeof(float));

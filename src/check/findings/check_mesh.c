@@ -52,7 +52,7 @@ static double square_of(const double a[3], const double b[3]) {
 
 static double longest_of_triangle(const core_mesh *mesh, size_t face) {
     double p[3][3];
-    for (size_t k = 0; k < 3; k++)
+    for (size_t k = 0; k < 3; ++k)
         norma_core_position(mesh, norma_core_corner(mesh, 3 * face + k), p[k]);
     return larger_square(
         larger_square(square_of(p[0], p[1]), square_of(p[1], p[2])), square_of(p[2], p[0]));
@@ -65,7 +65,7 @@ static double longest_of_polygon(const core_mesh *mesh, size_t face) {
     double first[3], before[3], longest = 0;
     norma_core_position(mesh, norma_core_corner(mesh, begin), first);
     norma_core_position(mesh, norma_core_corner(mesh, end - 1), before);
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         longest = larger_square(longest, larger_square(square_of(p, before), square_of(p, first)));
@@ -83,8 +83,8 @@ static double breadth_of_polygon(const core_mesh *mesh, size_t face) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double first[3], line[3] = {0}, most = 0, breadth = 0;
     norma_core_position(mesh, norma_core_corner(mesh, begin), first);
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t c = begin + 1; c < end; c++) {
+    for (int pass = 0; pass < 2; ++pass)
+        for (size_t c = begin + 1; c < end; ++c) {
             double p[3], cross[3];
             norma_core_position(mesh, norma_core_corner(mesh, c), p);
             norma_core_subtract(p, first, p);
@@ -119,7 +119,7 @@ static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *f
                                                        judged by the area alone */
         height = 1;
     judged.height = height < 1 ? (float)height : 1;
-    for (int k = 0; k < 3 && height >= CHECK_DEGENERATE; k++)
+    for (int k = 0; k < 3 && height >= CHECK_DEGENERATE; ++k)
         judged.normal[k] = (float)face->normal[k];
     return judged;
 }
@@ -134,7 +134,7 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
     for (size_t f = begin, count; f < end; f += count) {
         count = end - f < CORE_FACES_AT_ONCE ? end - f : CORE_FACES_AT_ONCE;
         norma_core_faces_geometry(&m->run->call, mesh, f, count, faces);
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
             judge_cancelled_area(mesh, f + i, &m->faces[f + i]);
         }
@@ -154,12 +154,12 @@ norma_result norma_check_faces(check_mesh *m) {
 
 static void append_mesh(check_joined *joined, const core_mesh *mesh) {
     norma_mesh *whole = &joined->mesh;
-    for (size_t v = 0; v < mesh->positions.count; v++)
+    for (size_t v = 0; v < mesh->positions.count; ++v)
         norma_view_read(&mesh->positions, v, joined->positions + 3 * (whole->positions.count + v));
-    for (size_t f = 0; joined->starts && f < mesh->face_count; f++)
+    for (size_t f = 0; joined->starts && f < mesh->face_count; ++f)
         joined->starts[whole->face_count + f] =
             (uint32_t)(whole->corner_count + norma_core_face_begin(mesh, f));
-    for (size_t c = 0; c < mesh->corner_count; c++)
+    for (size_t c = 0; c < mesh->corner_count; ++c)
         joined->corners[whole->corner_count + c] =
             (uint32_t)whole->positions.count + norma_core_corner(mesh, c);
     whole->positions.count += mesh->positions.count;
@@ -171,7 +171,7 @@ norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joine
     size_t vertices = 0, corners = 0, faces = 0;
     int polygons = 0;
     *joined = (check_joined){.positions = NULL};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (meshes[i].positions.count >= UINT32_MAX - 1 - vertices ||
             meshes[i].corner_count >= UINT32_MAX - 1 - corners)
             return NORMA_ERROR_OVERFLOW;
@@ -187,7 +187,7 @@ norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joine
         norma_check_unjoin(joined);
         return NORMA_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++) append_mesh(joined, &meshes[i]);
+    for (size_t i = 0; i < count; ++i) append_mesh(joined, &meshes[i]);
     if (polygons) joined->starts[faces] = (uint32_t)corners;
     joined->mesh.positions = (norma_vec3_view){joined->positions, vertices, 0, NORMA_FORMAT_DOUBLE};
     joined->mesh.corners = joined->corners;
@@ -254,7 +254,7 @@ double norma_check_encoding_bound(const char *encoding) {
     } bounds[] = {{"snorm8", .3907}, {"int8", .3907}, {"snorm10", .0971}, {"snorm16", .00151},
         {"int16", .00151}, {"oct8", .9570}, {"oct10", .2379}, {"oct12", .0594}, {"oct16", .00371},
         {"float16", .0229}};
-    for (size_t i = 0; encoding && i < sizeof bounds / sizeof *bounds; i++)
+    for (size_t i = 0; encoding && i < sizeof bounds / sizeof *bounds; ++i)
         if (!strcmp(encoding, bounds[i].name)) return bounds[i].degrees * (3.141592653589793 / 180);
     return 0;
 }
@@ -262,15 +262,15 @@ double norma_check_encoding_bound(const char *encoding) {
 double norma_check_diagonal(const core_mesh *mesh) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
            squares = 0;
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
-        for (int k = 0; k < 3 && norma_core_finite(p); k++) {
+        for (int k = 0; k < 3 && norma_core_finite(p); ++k) {
             low[k] = fmin(low[k], p[k]);
             high[k] = fmax(high[k], p[k]);
         }
     }
-    for (int k = 0; k < 3; k++) squares += (high[k] - low[k]) * (high[k] - low[k]);
+    for (int k = 0; k < 3; ++k) squares += (high[k] - low[k]) * (high[k] - low[k]);
     return isfinite(squares) ? sqrt(squares) : 0;
 }
 
@@ -286,7 +286,7 @@ double norma_check_add_areas(const check_mesh *m, double sum) {
         count = m->mesh.face_count - f;
         count = count < CORE_FACES_AT_ONCE ? count : CORE_FACES_AT_ONCE;
         norma_core_faces_geometry(&m->run->call, &m->mesh, f, count, faces);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             sum += faces[i].flags & CORE_FACE_FINITE ? faces[i].twice_area : 0;
     }
     return sum;

@@ -209,7 +209,7 @@ static inline int norma_check_wants(const check_mesh *m, check_rule rule) {
 /* Whether any rule from first to last is wanted. */
 static inline int norma_check_wants_any(const check_mesh *m, check_rule first, check_rule last) {
     int wanted = 0;
-    for (size_t rule = (size_t)first; rule <= (size_t)last; rule++) wanted |= m->rules[rule];
+    for (size_t rule = (size_t)first; rule <= (size_t)last; ++rule) wanted |= m->rules[rule];
     return wanted;
 }
 
@@ -254,7 +254,7 @@ static inline void norma_check_normal(const check_mesh *m, size_t number, double
     }
     const unsigned char *at = (const unsigned char *)view->data +
                               number * (view->stride ? view->stride : 3 * sizeof(float));
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         float n;
         memcpy(&n, at + i * sizeof n, sizeof n); /* one by one: no detour through memory */
         normal[i] = (double)n;

@@ -37,12 +37,12 @@ static void put_size(text *t, size_t value) {
 static unsigned three_digits(double value, int *power) {
     static const double tens[] = {1e1, 1e2, 1e4, 1e8, 1e16, 1e32, 1e64, 1e128, 1e256};
     *power = 0;
-    for (int i = 8; i >= 0; i--)
+    for (int i = 8; i >= 0; --i)
         if (value >= tens[i]) {
             value /= tens[i];
             *power += 1 << i;
         }
-    for (int i = 8; i >= 0 && value < 1; i--)
+    for (int i = 8; i >= 0 && value < 1; --i)
         if (value * tens[i] < 10) {
             value *= tens[i];
             *power -= 1 << i;
@@ -60,7 +60,7 @@ static void add_digits(text *t, unsigned digits, int before_point) {
     char all[4] = {
         (char)('0' + digits / 100), (char)('0' + digits / 10 % 10), (char)('0' + digits % 10), 0};
     int last = all[2] != '0' ? 3 : all[1] != '0' ? 2 : 1;
-    for (int i = 0; i < 3 && (i < last || i < before_point); i++) {
+    for (int i = 0; i < 3 && (i < last || i < before_point); ++i) {
         if (i == before_point) put_bytes(t, ".", 1);
         put_bytes(t, &all[i], 1);
     }
@@ -68,14 +68,14 @@ static void add_digits(text *t, unsigned digits, int before_point) {
 
 static void add_small(text *t, unsigned digits, int power) {
     put_bytes(t, "0.", 2);
-    for (int i = -1; i > power; i--) put_bytes(t, "0", 1);
+    for (int i = -1; i > power; --i) put_bytes(t, "0", 1);
     while (digits % 10 == 0) digits /= 10;
     put_size(t, digits);
 }
 
 static void add_large(text *t, unsigned digits, int power) {
     add_digits(t, digits, 3);
-    for (int i = 2; i < power; i++) put_bytes(t, "0", 1);
+    for (int i = 2; i < power; ++i) put_bytes(t, "0", 1);
 }
 
 static void add_double(text *t, double value) {
@@ -109,7 +109,7 @@ static void add_double(text *t, double value) {
 
 static void write_message(char out[CHECK_MESSAGE], const char *format, va_list arguments) {
     text t = {out, 0};
-    for (const char *at = format; *at; at++) {
+    for (const char *at = format; *at; ++at) {
         const char *special = at[0] == '%' ? &at[1] : NULL;
         if (!special) {
             put_bytes(&t, at, 1);
@@ -125,7 +125,7 @@ static void write_message(char out[CHECK_MESSAGE], const char *format, va_list a
         } else {
             put_bytes(&t, "%", 1);
         }
-        at++;
+        ++at;
     }
     out[t.length] = 0;
 }
@@ -161,7 +161,7 @@ void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore) {
         }
         ignore += length + (ignore[length] != 0);
     }
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i)
         if (silenced[i]) mask[i] = 0;
 }
 
@@ -223,7 +223,7 @@ static check_spot spot_in_file(const check_part *part, check_spot spot) {
 void norma_check_hit(const check_run *run, check_hits *hits, double value, check_spot spot) {
     if (run->part) spot = spot_in_file(run->part, spot);
     keep_worst(hits, value, spot);
-    hits->count++;
+    ++hits->count;
     keep_sample(run, hits, spot);
 }
 
@@ -244,7 +244,7 @@ void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *
     if (from->count) {
         keep_worst(into, from->worst, from->worst_spot);
         into->count += from->count;
-        for (size_t i = 0; i < from->sample_count; i++) keep_sample(run, into, from->samples[i]);
+        for (size_t i = 0; i < from->sample_count; ++i) keep_sample(run, into, from->samples[i]);
     }
     into->failed |= from->failed;
     norma_check_hits_free(from);
@@ -283,11 +283,11 @@ static void free_finding(norma_finding *finding) {
 
 static int position_of_face(const core_mesh *mesh, size_t face, double position[3]) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    for (int k = 0; k < 3; k++) position[k] = 0;
-    for (size_t c = begin; c < end; c++) {
+    for (int k = 0; k < 3; ++k) position[k] = 0;
+    for (size_t c = begin; c < end; ++c) {
         double p[3];
         norma_view_read(&mesh->positions, norma_core_corner(mesh, c), p);
-        for (int k = 0; k < 3; k++) position[k] += p[k] / (double)(end - begin);
+        for (int k = 0; k < 3; ++k) position[k] += p[k] / (double)(end - begin);
     }
     return end > begin;
 }
@@ -308,7 +308,7 @@ static norma_sample sample_of(const check_mesh *m, check_spot spot) {
 
 static norma_sample *copy_samples(const check_mesh *m, const check_hits *hits) {
     norma_sample *samples = malloc((hits->sample_count ? hits->sample_count : 1) * sizeof *samples);
-    for (size_t i = 0; samples && i < hits->sample_count; i++)
+    for (size_t i = 0; samples && i < hits->sample_count; ++i)
         samples[i] = sample_of(m, hits->samples[i]);
     return samples;
 }
@@ -363,7 +363,7 @@ norma_result norma_check_add(
                   : NORMA_ERROR_MEMORY;
         if (!result) {
             entry->order = place->order;
-            run->findings->count++;
+            ++run->findings->count;
             if (report->rule == RULE_N002) norma_check_partly(run);
         }
     }
@@ -449,7 +449,7 @@ int norma_places_gather(check_places *places, const norma_findings *findings,
     check_is_place *is_place, const void *context) {
     const size_t count = norma_findings_count(findings);
     *places = (check_places){calloc(count + 1, sizeof *places->findings), 0};
-    for (size_t i = 0; places->findings && i < count; i++) {
+    for (size_t i = 0; places->findings && i < count; ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (!is_place || is_place(context, finding)) places->findings[places->count++] = finding;
     }
@@ -473,7 +473,7 @@ const norma_finding **norma_places_find(
     const size_t begin =
         norma_core_bisect(places->count, stands_before, &(wanted_place){places, where});
     size_t end = begin;
-    while (end < places->count && strcmp(places->findings[end]->where, where) == 0) end++;
+    while (end < places->count && strcmp(places->findings[end]->where, where) == 0) ++end;
     *count = end - begin;
     return places->findings + begin;
 }
@@ -481,7 +481,7 @@ const norma_finding **norma_places_find(
 const norma_deviation *norma_places_deviation(const check_places *places, const char *where) {
     size_t count = 0;
     const norma_finding **found = places ? norma_places_find(places, where, &count) : NULL;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (found[i]->deviation) return found[i]->deviation;
     return NULL;
 }
@@ -498,11 +498,11 @@ static norma_document_result locate_sample(
 norma_document_result norma_findings_locate(
     norma_findings *findings, check_locate *locate, void *context) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < findings->count && !result; i++) {
+    for (size_t i = 0; i < findings->count && !result; ++i) {
         norma_finding *finding = &findings->entries[i].finding;
         norma_sample *samples = (norma_sample *)(uintptr_t)finding->samples;
         result = locate_sample(&finding->worst, locate, context);
-        for (size_t k = 0; k < finding->sample_count && !result; k++)
+        for (size_t k = 0; k < finding->sample_count && !result; ++k)
             result = locate_sample(&samples[k], locate, context);
     }
     return result;
@@ -532,7 +532,7 @@ int norma_findings_partly(const norma_findings *findings) { return findings && f
 
 void norma_findings_free(norma_findings *findings) {
     if (!findings) return;
-    for (size_t i = 0; i < findings->count; i++) free_finding(&findings->entries[i].finding);
+    for (size_t i = 0; i < findings->count; ++i) free_finding(&findings->entries[i].finding);
     free(findings->entries);
     free(findings);
 }

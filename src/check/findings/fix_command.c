@@ -11,7 +11,7 @@ typedef struct command_line {
 } command_line;
 
 static void put(command_line *line, const char *text, size_t length) {
-    for (size_t i = 0; i < length; i++, line->length++)
+    for (size_t i = 0; i < length; ++i, ++line->length)
         if (line->length + 1 < line->capacity) line->text[line->length] = text[i];
 }
 
@@ -26,7 +26,7 @@ static size_t character_length(const unsigned char *text) {
                           : text[0] < 0xF0 ? 3
                           : text[0] < 0xF5 ? 4
                                            : 0;
-    for (size_t i = 1; i < length; i++)
+    for (size_t i = 1; i < length; ++i)
         if ((text[i] & 0xC0) != 0x80) return 0;
     const int too_small =
                   (text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xF0 && text[1] < 0x90),
@@ -86,7 +86,7 @@ static void put_plain(command_line *line, const char *text, size_t length) {
 }
 
 static void put_between_quotes(command_line *line, const char *text, size_t length) {
-    for (size_t i = 0; i < length; i++)
+    for (size_t i = 0; i < length; ++i)
         put_text(line, text[i] == '\'' ? "'\"'\"'" : (const char[]){text[i], '\0'});
 }
 
@@ -115,16 +115,16 @@ static const struct quoting {
 
 static int suits(const struct quoting *quoting, const command_word *word) {
     if (!quoting->suits) return 1;
-    for (size_t i = 0; i < PIECES; i++)
+    for (size_t i = 0; i < PIECES; ++i)
         if (!quoting->suits(word->text[i], word->length[i])) return 0;
     return 1;
 }
 
 static void put_pieces(command_line *line, const command_word *word) {
     const struct quoting *quoting = quotings;
-    while (!suits(quoting, word)) quoting++;
+    while (!suits(quoting, word)) ++quoting;
     put_text(line, quoting->begin);
-    for (size_t i = 0; i < PIECES; i++) quoting->put(line, word->text[i], word->length[i]);
+    for (size_t i = 0; i < PIECES; ++i) quoting->put(line, word->text[i], word->length[i]);
     put_text(line, quoting->end);
 }
 
@@ -143,7 +143,7 @@ static void put_option(command_line *line, const char *option) {
 
 /* The format that the options name. */
 static const char *input_format(const char *const *options) {
-    for (; options && *options; options++)
+    for (; options && *options; ++options)
         if (strcmp(*options, "--input-format") == 0) return options[1];
     return NULL;
 }
@@ -161,7 +161,7 @@ static void put_output(command_line *line, const char *path, const char *const *
         ends[1] = dot;
     }
     command_word word = begin_word(path, length);
-    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; ++i) {
         word.text[2 + i] = ends[i];
         word.length[2 + i] = strlen(ends[i]);
     }
@@ -184,7 +184,7 @@ static void put_fix(command_line *line, const norma_finding *finding, const char
     put_word(line, path);
     put_text(line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
     put_text(line, finding->rule->id);
-    for (const char *const *option = options; option && *option; option++) {
+    for (const char *const *option = options; option && *option; ++option) {
         put_text(line, " ");
         put_option(line, *option);
     }

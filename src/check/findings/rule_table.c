@@ -18,7 +18,7 @@ const norma_rule *norma_rules(size_t *count) {
 /* What a generated model must not have. */
 int norma_check_is_required(const norma_rule *rule) {
     static const char *const ids[] = {"N203", "N206", "N302", "N303", "N305", "N306", "N307"};
-    for (size_t i = 0; i < sizeof ids / sizeof *ids; i++)
+    for (size_t i = 0; i < sizeof ids / sizeof *ids; ++i)
         if (strcmp(rule->id, ids[i]) == 0) return 1;
     return 0;
 }
@@ -34,7 +34,7 @@ static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') 
 
 /* How many characters of text the word begins with: its length where it does. */
 static int begins_with(const char *text, const char *word, size_t length) {
-    for (size_t i = 0; i < length; i++)
+    for (size_t i = 0; i < length; ++i)
         if (!text[i] || lower(text[i]) != lower(word[i])) return 0;
     return 1;
 }
@@ -47,9 +47,9 @@ static int names_rule(const norma_rule *rule, const char *word, size_t length) {
 
 static size_t select_word(const char *word, size_t length, uint8_t *mask) {
     size_t named = 0;
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++) {
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) {
         if (!names_rule(&rules[i], word, length)) continue;
-        named++;
+        ++named;
         if (mask) mask[i] = 1;
     }
     return named;
@@ -70,7 +70,7 @@ static int is_gap(char c) { return c == ' ' || c == '\t' || c == ','; }
 static norma_result select_words(const char *list, uint8_t *mask, char unknown[64]) {
     while (*list) {
         size_t length = 0;
-        while (list[length] && !is_gap(list[length])) length++;
+        while (list[length] && !is_gap(list[length])) ++length;
         if (length && !select_word(list, length, mask)) return refuse_word(list, length, unknown);
         list += length + (list[length] != 0);
     }

@@ -69,7 +69,7 @@ static norma_document_result begin_fixing(
     own->struct_size = sizeof *own;
     own->max_samples = SIZE_MAX; /* every element is wanted */
     own->rules = NULL;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         f->request.wanted[rule] = !wanted || wanted[rule];
     f->request.by_rays = own->open_by_rays;
     f->request.from = own->fix_from;
@@ -86,7 +86,7 @@ static norma_document_result begin_fixing(
 
 static void forget_places(fixing *f, check_rule rule) {
     size_t kept = 0;
-    for (size_t i = 0; i < f->request.place_count; i++)
+    for (size_t i = 0; i < f->request.place_count; ++i)
         if (f->places[i].rule == rule)
             free(f->places[i].where);
         else
@@ -95,10 +95,10 @@ static void forget_places(fixing *f, check_rule rule) {
 }
 
 static void end_fixing(fixing *f) {
-    for (size_t i = 0; i < f->request.place_count; i++) free(f->places[i].where);
+    for (size_t i = 0; i < f->request.place_count; ++i) free(f->places[i].where);
     free(f->places);
     free(f->harms);
-    for (size_t i = 0; f->request.judges && i < f->judge_count; i++)
+    for (size_t i = 0; f->request.judges && i < f->judge_count; ++i)
         norma_check_close_judge(&f->request.judges[i]);
     free(f->request.judges);
     norma_findings_free(f->given);
@@ -112,7 +112,7 @@ static void end_fixing(fixing *f) {
 static norma_document_result look_once(fixing *f) {
     const check_known known = {f->document, f->given, f->again, f->request.judges, 0};
     if (f->before.findings) return NORMA_DOCUMENT_OK;
-    f->checks++;
+    ++f->checks;
     return norma_fix_find(f->document, &f->request, f->request.reads_maps, f->given ? &known : NULL,
         &f->before.findings, f->error);
 }
@@ -176,14 +176,14 @@ static int compare_counts(const void *a, const void *b) {
 static int count_places(const norma_findings *findings, place_counts *counts) {
     const size_t count = norma_findings_count(findings);
     *counts = (place_counts){calloc(count + 1, sizeof *counts->items), 0};
-    for (size_t i = 0; counts->items && i < count; i++) {
+    for (size_t i = 0; counts->items && i < count; ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         counts->items[i] =
             (place_count){f->rule, f->where, f->count, f->fix != NORMA_FIX_NONE ? f->count : 0,
                 f->severity >= NORMA_SEVERITY_WARNING ? f->count : 0};
     }
     if (counts->items) qsort(counts->items, count, sizeof *counts->items, compare_counts);
-    for (size_t i = 0; counts->items && i < count; i++) {
+    for (size_t i = 0; counts->items && i < count; ++i) {
         const place_count *item = &counts->items[i];
         if (!counts->count || compare_counts(&counts->items[counts->count - 1], item) != 0) {
             counts->items[counts->count++] = *item;
@@ -222,7 +222,7 @@ static int add_place(fixing *f, check_rule rule, const char *where) {
 static int add_worse_places(fixing *f, check_rule rule, const place_counts *before,
     const place_counts *after, const harm *harmful) {
     const size_t places = f->request.place_count;
-    for (size_t i = 0; i < after->count; i++) {
+    for (size_t i = 0; i < after->count; ++i) {
         const place_count *item = &after->items[i];
         if (harmful->by[item->rule - norma_rules(NULL)] && item->where[0] &&
             item->serious > count_at(before, item->rule, item->where).serious &&
@@ -267,7 +267,7 @@ static norma_document_result leave_out(
 }
 
 static void leave_out_untried(fixing *f, const check_rule *rules, size_t count) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         f->request.left_out[rules[i]] = 1;
         f->harms[rules[i]].untried = 1;
     }
@@ -279,7 +279,7 @@ static norma_document_result try_rules(fixing *f, const check_rule *rules, size_
     harm harmful;
     int worse;
     if (f->checks >= MOST_CHECKS) return leave_out_untried(f, rules, count), NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 0;
+    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 0;
     norma_document_result result = try_request(f, &trial, &harmful, &worse);
     if (!result && !worse)
         keep_trial(f, &trial);
@@ -287,7 +287,7 @@ static norma_document_result try_rules(fixing *f, const check_rule *rules, size_
         result = leave_out(f, rules[0], &trial, harmful);
     norma_fix_trial_free(&trial);
     if (result || !worse || count == 1) return result;
-    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 1;
+    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 1;
     result = try_rules(f, rules, count / 2);
     return result ? result : try_rules(f, rules + count / 2, count - count / 2);
 }
@@ -295,9 +295,9 @@ static norma_document_result try_rules(fixing *f, const check_rule *rules, size_
 static norma_document_result leave_out_harmful(fixing *f, const uint8_t *asked) {
     check_rule rules[CHECK_RULE_COUNT];
     size_t count = 0;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         if (asked[rule]) rules[count++] = (check_rule)rule;
-    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 1;
+    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 1;
     norma_document_result result = try_rules(f, rules, count / 2);
     return result ? result : try_rules(f, rules + count / 2, count - count / 2);
 }
@@ -310,9 +310,9 @@ static norma_document_result find_fixes(fixing *f) {
     uint8_t asked[CHECK_RULE_COUNT] = {0};
     size_t rules = 0, rule = 0;
     norma_document_result result = try_request(f, &trial, &harmful, &worse);
-    for (size_t i = 0; i < trial.count; i++)
-        for (size_t k = 0; k < CHECK_RULE_COUNT; k++) asked[k] |= trial.plans[i].asked[k];
-    for (size_t k = 0; k < CHECK_RULE_COUNT; k++)
+    for (size_t i = 0; i < trial.count; ++i)
+        for (size_t k = 0; k < CHECK_RULE_COUNT; ++k) asked[k] |= trial.plans[i].asked[k];
+    for (size_t k = 0; k < CHECK_RULE_COUNT; ++k)
         if (asked[k]) rules++, rule = k;
     if (!result && !worse)
         keep_trial(f, &trial);
@@ -334,7 +334,7 @@ static void describe_harm(const harm *h, char by[CHECK_MESSAGE]) {
             by, "to find out whether it does harm takes too long with all the others; select it");
         return;
     }
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i)
         if (h->by[i]) {
             norma_check_message(
                 text, "%s%s%s %s", by, by[0] ? ", " : "", rules[i].id, rules[i].name);
@@ -364,15 +364,15 @@ static const char *why_idle(check_rule rule) {
 
 /* What the plans say of it; NULL: nothing. */
 static const fix_note *find_note(const fix_trial *trial, check_rule rule) {
-    for (size_t i = 0; i < trial->count; i++)
-        for (size_t k = 0; k < trial->plans[i].note_count; k++)
+    for (size_t i = 0; i < trial->count; ++i)
+        for (size_t k = 0; k < trial->plans[i].note_count; ++k)
             if (trial->plans[i].notes[k].rules & FIX_RULE(rule)) return &trial->plans[i].notes[k];
     return NULL;
 }
 
 static int is_left_out(const fixing *f, check_rule rule) {
     int left_out = f->request.left_out[rule];
-    for (size_t i = 0; i < f->request.place_count; i++) left_out |= f->places[i].rule == rule;
+    for (size_t i = 0; i < f->request.place_count; ++i) left_out |= f->places[i].rule == rule;
     return left_out;
 }
 
@@ -386,19 +386,19 @@ static void note_harm(fixing *f, check_rule rule, const char *where) {
     norma_check_message(text, where ? "%s %s is not fixed at %s: %s" : "%s %s is not fixed%s: %s",
         rules[rule].id, rules[rule].name, where ? where : "", by);
     norma_document_add_note(f->document, "%s", text);
-    f->summary->left_out++;
+    ++f->summary->left_out;
 }
 
 static void note_left_out(fixing *f) {
-    for (size_t i = 0; i < f->request.place_count; i++)
+    for (size_t i = 0; i < f->request.place_count; ++i)
         note_harm(f, f->places[i].rule, f->places[i].where);
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         if (f->request.left_out[rule]) note_harm(f, (check_rule)rule, NULL);
 }
 
 static size_t count_fixable(const norma_findings *findings, const norma_rule *rule) {
     size_t sum = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (finding->rule == rule && finding->fix != NORMA_FIX_NONE) sum += finding->count;
     }
@@ -409,7 +409,7 @@ static size_t count_fixable(const norma_findings *findings, const norma_rule *ru
 static void note_idle(fixing *f, const uint8_t *asked, uint64_t told) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule) {
         char text[CHECK_MESSAGE];
         const size_t after = count_fixable(f->best.after.findings, &rules[rule]);
         if (!asked[rule] || rule == RULE_N304 || /* of it by_rays tells */
@@ -420,7 +420,7 @@ static void note_idle(fixing *f, const uint8_t *asked, uint64_t told) {
         norma_check_message(text, "%s %s is not fixed: %s", rules[rule].id, rules[rule].name,
             why_idle((check_rule)rule));
         norma_document_add_note(f->document, "%s", text);
-        f->summary->left_out++;
+        ++f->summary->left_out;
     }
 }
 
@@ -428,7 +428,7 @@ static norma_document_result carry_out(fixing *f) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     const fix_trial *best = &f->best;
     uint64_t told = 0;
-    for (size_t i = 0; i < best->count && !result; i++) {
+    for (size_t i = 0; i < best->count && !result; ++i) {
         const size_t notes = norma_document_note_count(f->document);
         result = norma_fix_apply(f->document, &best->plans[i], f->request.options.threads,
             &f->summary->changed, f->error);
@@ -438,7 +438,7 @@ static norma_document_result carry_out(fixing *f) {
     if (result) return result;
     if (best->count) {
         const fix_plan *last = &best->plans[best->count - 1], *first = &best->plans[0];
-        for (size_t i = 0; i < last->note_count; i++)
+        for (size_t i = 0; i < last->note_count; ++i)
             norma_document_add_note(f->document, "%s", last->notes[i].text);
         if (first->by_rays &&
             (!f->summary->by_rays || first->least_confidence < f->summary->least_confidence))
@@ -470,7 +470,7 @@ norma_document_result norma_fix_document(norma_document *document,
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!summary) summary = &unwanted;
     *summary = (norma_fix_summary){0};
-    for (size_t i = 0; !result && (i == 0 || norma_document_tile(document, i)); i++) {
+    for (size_t i = 0; !result && (i == 0 || norma_document_tile(document, i)); ++i) {
         tile = norma_document_tile(document, i);
         fixing f = {.document = tile, .request.unsafe = unsafe, .summary = summary, .error = error};
         result = fix_one(&f, options);
@@ -515,7 +515,7 @@ static int judge_offers(const fixing *f, check_rule rule, norma_fix fix, norma_s
         f->best.after.findings ? f->best.after.findings : f->before.findings;
     place_counts before = {0}, after = {0};
     int is_done = count_places(f->before.findings, &before) && count_places(left, &after);
-    for (size_t i = 0; i < norma_findings_count(findings) && is_done; i++) {
+    for (size_t i = 0; i < norma_findings_count(findings) && is_done; ++i) {
         norma_finding *finding = norma_findings_change(findings, i);
         if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from)
             is_done = judge_offer(f, &before, &after, finding, rule);
@@ -551,7 +551,7 @@ static norma_document_result try_offer(
 
 static int is_offered(
     const norma_findings *findings, check_rule rule, norma_fix fix, norma_severity from) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from)
             return 1;
@@ -563,7 +563,7 @@ static int is_offered(
 static int is_known(const fixing *f, const norma_findings *findings) {
     const norma_check_options *now = &f->request.options, *then = &findings->options;
     int is_known = now->profile == then->profile && !now->strict == !then->strict;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         is_known &= findings->rules[rule] || rule == RULE_N811 || rule == RULE_N812 ||
                     !norma_fix_is_weighed(&f->request, (check_rule)rule);
     return is_known;
@@ -577,10 +577,10 @@ static norma_document_result keep_given(
     norma_findings *given = norma_findings_new(findings->profile);
     uint8_t offered[CHECK_RULE_COUNT];
     f->given = given;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         offered[rule] = (uint8_t)(is_offered(findings, (check_rule)rule, NORMA_FIX_SAFE, from) ||
                                   is_offered(findings, (check_rule)rule, NORMA_FIX_UNSAFE, from));
-    for (size_t i = 0; given && i < findings->count; i++) {
+    for (size_t i = 0; given && i < findings->count; ++i) {
         const norma_finding *finding = &findings->entries[i].finding;
         const check_rule rule = (check_rule)(finding->rule - norma_rules(NULL));
         f->again[rule] |= finding->sample_count >= findings->options.max_samples && offered[rule];
@@ -601,8 +601,8 @@ static norma_document_result try_fixes_of_one(norma_document *document,
     if (!result) result = keep_given(&f, from, findings);
     f.request.from = NORMA_SEVERITY_NONE; /* as if they were selected */
     f.request.reads_maps = is_offered(findings, RULE_N812, NORMA_FIX_UNSAFE, from);
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
-        for (int fix = NORMA_FIX_SAFE; fix <= NORMA_FIX_UNSAFE && !result; fix++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
+        for (int fix = NORMA_FIX_SAFE; fix <= NORMA_FIX_UNSAFE && !result; ++fix)
             if (is_offered(findings, (check_rule)rule, (norma_fix)fix, from))
                 result = try_offer(&f, (check_rule)rule, (norma_fix)fix, from, findings);
     end_fixing(&f);
@@ -620,7 +620,7 @@ static norma_findings *findings_of_tile(
         own->options = findings->options;
         memcpy(own->rules, findings->rules, sizeof own->rules);
     }
-    for (size_t i = 0; own && i < findings->count; i++) {
+    for (size_t i = 0; own && i < findings->count; ++i) {
         norma_finding finding = findings->entries[i].finding;
         if (strncmp(finding.where, begin, (size_t)length) != 0) continue;
         finding.where += length - 1;
@@ -642,11 +642,11 @@ norma_document_result norma_document_try_fixes(norma_document *document,
         return try_fixes_of_one(document, options, from, findings, error);
     size_t *at = calloc(findings->count + 1, sizeof *at);
     if (!at) return fail_memory(error);
-    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; i++) {
+    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; ++i) {
         norma_findings *own = findings_of_tile(findings, i, at, error);
         result =
             own ? try_fixes_of_one(tile, options, from, own, error) : NORMA_DOCUMENT_ERROR_MEMORY;
-        for (size_t k = 0; !result && k < norma_findings_count(own); k++) {
+        for (size_t k = 0; !result && k < norma_findings_count(own); ++k) {
             const norma_finding *tried = norma_findings_get(own, k);
             norma_finding *finding = norma_findings_change(findings, at[k]);
             if (finding->fix != tried->fix && !norma_finding_withdraw(finding, tried->message))

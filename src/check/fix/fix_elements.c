@@ -11,7 +11,7 @@
 /* Whether as many faces run along the edge one way as the other, all of them or those that stay. */
 static int is_balanced(const fix_edge *edges, size_t count, const uint8_t *drop) {
     size_t forth = 0, back = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (drop && drop[edges[i].face]) continue;
         forth += edges[i].way != 0;
         back += edges[i].way == 0;
@@ -21,7 +21,7 @@ static int is_balanced(const fix_edge *edges, size_t count, const uint8_t *drop)
 
 static size_t same_edges(const fix_edge *edges, size_t begin, size_t count) {
     size_t end = begin + 1;
-    while (end < count && norma_fix_compare_edges(&edges[begin], &edges[end]) == 0) end++;
+    while (end < count && norma_fix_compare_edges(&edges[begin], &edges[end]) == 0) ++end;
     return end - begin;
 }
 
@@ -32,7 +32,7 @@ static void keep_joints(const fix_edge *edges, size_t count, uint32_t *groups, u
     for (size_t begin = 0, of; begin < count; begin += of) {
         of = same_edges(edges, begin, count);
         size_t first = SIZE_MAX;
-        for (size_t i = begin; i < begin + of; i++) {
+        for (size_t i = begin; i < begin + of; ++i) {
             if (!drop[edges[i].face]) continue;
             if (first != SIZE_MAX) norma_core_join_sets(groups, edges[first].face, edges[i].face);
             first = i;
@@ -41,9 +41,9 @@ static void keep_joints(const fix_edge *edges, size_t count, uint32_t *groups, u
             !is_balanced(&edges[begin], of, drop))
             needed[edges[first].face] = 1;
     }
-    for (size_t f = 0; f < face_count; f++)
+    for (size_t f = 0; f < face_count; ++f)
         if (needed[f]) needed[norma_core_set_of(groups, (uint32_t)f)] = 1;
-    for (size_t f = 0; f < face_count; f++)
+    for (size_t f = 0; f < face_count; ++f)
         if (needed[norma_core_set_of(groups, (uint32_t)f)]) drop[f] = 0;
 }
 
@@ -53,7 +53,7 @@ static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
     uint8_t *needed = calloc(mesh->face_count + 1, 1);
     size_t count = 0;
     const int fine = groups && edges && needed;
-    for (size_t f = 0; fine && f < mesh->face_count; f++) {
+    for (size_t f = 0; fine && f < mesh->face_count; ++f) {
         const size_t of = norma_fix_face_edges(mesh, f, (uint32_t)f, 0, edges + count);
         count += of < 3 ? 0 : of; /* fewer: it has no edges */
         groups[f] = (uint32_t)f;
@@ -79,13 +79,13 @@ static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *dr
     enum { FEW = 10 };
     char list[CHECK_MESSAGE] = "", text[CHECK_MESSAGE];
     size_t kept = 0;
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
+    for (size_t f = 0; f < m->mesh.face_count; ++f) {
         if (!named[f] || drop[f]) continue;
         if (kept < FEW) {
             norma_check_message(text, kept ? "%s, %z" : "%s%z", list, f);
             memcpy(list, text, sizeof list);
         }
-        kept++;
+        ++kept;
     }
     if (!kept) return;
     norma_check_message(text,
@@ -126,14 +126,14 @@ static int cut_named_face(
     const fix_mesh *m, size_t face, core_cutter *cutter, uint32_t *triangles) {
     const size_t begin = norma_core_face_begin(&m->mesh, face),
                  count = norma_core_face_end(&m->mesh, face) - begin;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         norma_core_position(&m->mesh, norma_core_corner(&m->mesh, begin + i), cutter->points[i]);
     return count > 3 && norma_core_cut_polygon(cutter, count, triangles) == count - 2;
 }
 
 static size_t corners_of_largest(const core_mesh *mesh) {
     size_t largest = 0;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         const size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
         largest = corners > largest ? corners : largest;
     }
@@ -149,7 +149,7 @@ static norma_result cut_named(fix_mesh *m, const uint8_t *marks) {
     const int fine = memory && cut && triangles;
     int any = 0;
     if (fine) norma_core_cutter_begin(&cutter, memory, largest, m->mesh.corner_count);
-    for (size_t face = 0; face < m->mesh.face_count && fine; face++)
+    for (size_t face = 0; face < m->mesh.face_count && fine; ++face)
         if (marks[face] && !(m->edit->drop_faces && m->edit->drop_faces[face]))
             any |= cut[face] = (uint8_t)cut_named_face(
                 m, face, &cutter, triangles + 3 * norma_core_face_begin(&m->mesh, face));
@@ -196,9 +196,9 @@ static norma_result snap(fix_mesh *m, const core_mesh *mesh, const uint8_t *mark
         free(meant);
         return NORMA_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (marks[i]) meant[norma_core_welded(mesh, (uint32_t)i)] = 1;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double own[3];
         uint32_t least = norma_core_welded(mesh, (uint32_t)i);
         norma_core_position(mesh, least, positions + 3 * i);
@@ -247,18 +247,18 @@ typedef struct vertex_sum {
 
 /* first: the vertex that each is or would become; NULL: itself. */
 static void add_corners_of_vertices(const fix_mesh *m, const uint32_t *first, vertex_sum *sums) {
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
+    for (size_t face = 0; face < m->mesh.face_count; ++face) {
         core_face geometry;
         norma_core_face_geometry(&m->mesh, face, &geometry);
         if (!(norma_core_dot(geometry.normal, geometry.normal) > 0)) continue;
         for (size_t c = norma_core_face_begin(&m->mesh, face);
-             c < norma_core_face_end(&m->mesh, face); c++) {
+             c < norma_core_face_end(&m->mesh, face); ++c) {
             vertex_sum *sum = &sums[first ? first[norma_core_corner(&m->mesh, c)]
                                           : norma_core_corner(&m->mesh, c)];
             if (!norma_core_is_kept(&m->mesh, face, c)) continue;
             double weight =
                 norma_core_corner_weight(&m->mesh, NORMA_WEIGHT_ANGLE, face, &geometry, c);
-            for (int k = 0; k < 3; k++) sum->normals[k] += weight * geometry.normal[k];
+            for (int k = 0; k < 3; ++k) sum->normals[k] += weight * geometry.normal[k];
             sum->weights += weight;
         }
     }
@@ -273,7 +273,7 @@ static int cancels(const vertex_sum *sum, double limit) {
 /* The least of those that become one, of each; the number of vertices that go. */
 static size_t part_cancelled(const vertex_sum *sums, size_t count, uint32_t *first) {
     size_t gone = 0;
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         if (cancels(&sums[first[v]], NEARLY_CANCELLED)) first[v] = (uint32_t)v;
         gone += first[v] != v;
     }
@@ -289,14 +289,14 @@ static norma_result put_welded(fix_mesh *m, size_t count, size_t left, uint32_t 
         free(corners);
         return NORMA_ERROR_MEMORY;
     }
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         if (first[v] == v) sources[next++] = (uint32_t)v;
         first[v] =
             first[v] == v
                 ? (uint32_t)next - 1
                 : first[first[v]]; /* its new number; the least comes before those that equal it */
     }
-    for (size_t c = 0; c < m->mesh.corner_count; c++)
+    for (size_t c = 0; c < m->mesh.corner_count; ++c)
         corners[c] = first[norma_core_corner(&m->mesh, c)];
     m->edit->source_vertices = sources;
     m->edit->vertex_count = left;
@@ -333,7 +333,7 @@ typedef struct fan_corner {
 } fan_corner;
 
 static int compare_normals(const float a[3], const float b[3]) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         if (a[k] != b[k]) return a[k] < b[k] ? -1 : 1;
     return 0;
 }
@@ -378,7 +378,7 @@ static uint8_t *mark_cancelled(const fix_mesh *m) {
     uint8_t *marks = NULL;
     if (sums && norma_fix_mark(m, RULE_N403, MEND_VERTEX, count, &marks) >= 0) {
         add_corners_of_vertices(m, NULL, sums);
-        for (size_t v = 0; marks && v < count; v++)
+        for (size_t v = 0; marks && v < count; ++v)
             marks[v] = (uint8_t)(marks[v] || cancels(&sums[v], CANCELLED));
     }
     free(sums);
@@ -389,10 +389,10 @@ static uint8_t *mark_cancelled(const fix_mesh *m) {
 static fan_corner *gather_fans(
     const fix_mesh *m, const uint8_t *marks, const float *normals, size_t *count) {
     size_t room = 0;
-    for (size_t c = 0; c < m->mesh.corner_count; c++) room += marks[norma_core_corner(&m->mesh, c)];
+    for (size_t c = 0; c < m->mesh.corner_count; ++c) room += marks[norma_core_corner(&m->mesh, c)];
     fan_corner *fans = malloc((room + 1) * sizeof *fans);
     *count = 0;
-    for (size_t c = 0; fans && c < m->mesh.corner_count; c++) {
+    for (size_t c = 0; fans && c < m->mesh.corner_count; ++c) {
         fan_corner corner = {.vertex = norma_core_corner(&m->mesh, c), .corner = (uint32_t)c};
         memcpy(corner.normal, normals + 3 * c, sizeof corner.normal);
         if (marks[corner.vertex]) fans[(*count)++] = corner;
@@ -404,7 +404,7 @@ static fan_corner *gather_fans(
 /* How many vertices are to be added: at each one less than it has fans. */
 static size_t count_added(const fan_corner *fans, size_t count) {
     size_t added = 0;
-    for (size_t i = 1; i < count; i++)
+    for (size_t i = 1; i < count; ++i)
         added += fans[i].vertex == fans[i - 1].vertex && !same_fan(&fans[i], &fans[i - 1]);
     return added;
 }
@@ -445,10 +445,10 @@ static int make_arrays(fix_mesh *m, size_t count, split_arrays *to) {
 static void fill_arrays(fix_mesh *m, const fan_corner *fans, size_t count, split_arrays *to) {
     const size_t vertices = m->data.mesh.positions.count;
     size_t next = vertices, number = 0;
-    for (size_t v = 0; v < vertices; v++) to->sources[v] = (uint32_t)v;
-    for (size_t c = 0; c < m->mesh.corner_count; c++)
+    for (size_t v = 0; v < vertices; ++v) to->sources[v] = (uint32_t)v;
+    for (size_t c = 0; c < m->mesh.corner_count; ++c)
         to->corners[c] = norma_core_corner(&m->mesh, c);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const int another = i > 0 && fans[i].vertex == fans[i - 1].vertex,
                   begins = i == 0 || !same_fan(&fans[i], &fans[i - 1]);
         if (begins) number = another ? next++ : fans[i].vertex;
@@ -468,7 +468,7 @@ static size_t drop_single(fan_corner *fans, size_t count) {
     size_t kept = 0;
     for (size_t begin = 0, end; begin < count; begin = end) {
         int several = 0;
-        for (end = begin + 1; end < count && fans[end].vertex == fans[begin].vertex; end++)
+        for (end = begin + 1; end < count && fans[end].vertex == fans[begin].vertex; ++end)
             several |= !same_fan(&fans[end], &fans[begin]);
         if (several) memmove(fans + kept, fans + begin, (end - begin) * sizeof *fans);
         kept += several ? end - begin : 0;

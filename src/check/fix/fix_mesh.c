@@ -8,7 +8,7 @@
 /* ---- edges */
 
 int norma_fix_compare_points(const double a[3], const double b[3]) {
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (a[axis] != b[axis]) return a[axis] < b[axis] ? -1 : 1;
     return 0;
 }
@@ -24,7 +24,7 @@ size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_nu
     uint32_t mesh_number, fix_edge *edges) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     size_t count = 0;
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         double from[3], to[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), from);
         norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), to);
@@ -47,7 +47,7 @@ norma_document_result norma_fix_open_whole(
     norma_document_result result = NORMA_DOCUMENT_OK;
     *whole = (fix_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
     *how = whole->meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < group->count && !result && !*how; i++) {
+    for (size_t i = 0; i < group->count && !result && !*how; ++i) {
         norma_mesh_data data;
         core_mesh *mesh = &whole->meshes[i];
         result = norma_document_mesh_data(group->document, group->indices[i], &data, group->error);
@@ -74,7 +74,7 @@ static int compare_left_out(const void *a, const void *b) {
 size_t norma_fix_sort_left_out(fix_left_out *places, size_t count) {
     size_t kept = 0;
     if (count) qsort(places, count, sizeof *places, compare_left_out);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (kept && compare_left_out(&places[kept - 1], &places[i]) == 0)
             free(places[i].where);
         else
@@ -109,7 +109,7 @@ int norma_fix_is_rule(const norma_finding *finding, check_rule rule) {
 }
 
 int norma_fix_has(const fix_mesh *m, check_rule rule) {
-    for (size_t i = 0; i < m->finding_count; i++)
+    for (size_t i = 0; i < m->finding_count; ++i)
         if (norma_fix_is_rule(m->findings[i], rule)) return 1;
     return 0;
 }
@@ -117,11 +117,11 @@ int norma_fix_has(const fix_mesh *m, check_rule rule) {
 int norma_fix_mark(
     const fix_mesh *m, check_rule rule, fix_element element, size_t count, uint8_t **marks) {
     int any = 0;
-    for (size_t i = 0; i < m->finding_count; i++) {
+    for (size_t i = 0; i < m->finding_count; ++i) {
         const norma_finding *finding = m->findings[i];
         if (!norma_fix_is_rule(finding, rule)) continue;
         if (!*marks && !(*marks = calloc(count + 1, 1))) return -1;
-        for (size_t k = 0; k < finding->sample_count; k++) {
+        for (size_t k = 0; k < finding->sample_count; ++k) {
             const norma_sample *sample = &finding->samples[k];
             size_t number = element == MEND_VERTEX ? sample->vertex
                             : element == MEND_FACE ? sample->face
@@ -146,8 +146,8 @@ int norma_fix_mark_whole(const fix_whole *t, check_rule rule, uint8_t *marks) {
     int any = 0;
     for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count) {
         const norma_finding **found = norma_places_find(g->mended, g->wheres[i], &count);
-        for (size_t k = 0; k < count; k++)
-            for (size_t s = 0; s < found[k]->sample_count && norma_fix_is_rule(found[k], rule); s++)
+        for (size_t k = 0; k < count; ++k)
+            for (size_t s = 0; s < found[k]->sample_count && norma_fix_is_rule(found[k], rule); ++s)
                 if (found[k]->samples[s].face < t->meshes[i].face_count)
                     marks[begin + found[k]->samples[s].face] = 1, any = 1;
     }
@@ -161,10 +161,10 @@ static norma_result fix_corners(fix_mesh *m) {
     const core_mesh *mesh = &m->mesh;
     m->corners = malloc((mesh->corner_count + 1) * sizeof *m->corners);
     if (!m->corners) return NORMA_ERROR_MEMORY;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
         int reversed = m->edit->reverse_faces && m->edit->reverse_faces[face];
-        for (size_t c = begin; c < end; c++)
+        for (size_t c = begin; c < end; ++c)
             m->corners[c] = norma_core_corner(mesh, reversed && c > begin ? end + begin - c : c);
     }
     return NORMA_OK;
@@ -271,7 +271,7 @@ void norma_fix_normal(const fix_mesh *m, size_t number, double normal[3]) {
         norma_view_read(&m->data.normals, number, normal);
         return;
     }
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         normal[axis] = (double)m->edit->normals[3 * number + (size_t)axis];
 }
 
@@ -283,7 +283,7 @@ static double half_step(const char *encoding) {
         double steps;
     } codes[] = {{"snorm8", 127}, {"int8", 127}, {"snorm10", 511}, {"snorm16", 32767},
         {"int16", 32767}, {"float16", 2048}};
-    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; ++i)
         if (strcmp(encoding, codes[i].name) == 0) return .5 / codes[i].steps;
     return 1e-7;
 }
@@ -312,7 +312,7 @@ int norma_fix_set_normal(fix_mesh *m, size_t number, const double normal[3]) {
     if (!m->edit->set_normals || !m->edit->normals) return 0;
     ((uint8_t *)(uintptr_t)m->edit->set_normals)[number] = 1;
     float *to = (float *)(uintptr_t)m->edit->normals + 3 * number;
-    for (int axis = 0; axis < 3; axis++) to[axis] = (float)unit[axis] + 0.0f;
+    for (int axis = 0; axis < 3; ++axis) to[axis] = (float)unit[axis] + 0.0f;
     return 1;
 }
 

@@ -45,9 +45,9 @@ static int is_torn(const normal_sum *sum) {
  * normal, and no other is broken, or they are all made unit. */
 static int may_compute_broken(const fix_mesh *m, const uint8_t *marks) {
     if (!m->data.corner_normals) return 0;
-    for (size_t c = 0; c < m->mesh.corner_count; c++)
+    for (size_t c = 0; c < m->mesh.corner_count; ++c)
         if (m->data.corner_normals[c] >= norma_fix_normal_count(m)) return 0;
-    for (size_t i = 0; i < norma_fix_normal_count(m) && !norma_fix_has(m, RULE_N103); i++) {
+    for (size_t i = 0; i < norma_fix_normal_count(m) && !norma_fix_has(m, RULE_N103); ++i) {
         double normal[3], length;
         norma_fix_normal(m, i, normal);
         if (marks[i] != MEND_BAD && norma_core_judge_length(normal, 5e-4, &length)) return 0;
@@ -64,22 +64,22 @@ static norma_result recompute(fix_mesh *m, const uint8_t *marks) {
                                                                      : norma_fix_surface(m);
     normal_sum *sums = result ? NULL : calloc(count + 1, sizeof *sums);
     if (!sums) return result ? result : NORMA_ERROR_MEMORY;
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
+    for (size_t face = 0; face < m->mesh.face_count; ++face) {
         size_t begin = norma_core_face_begin(&m->mesh, face),
                end = norma_core_face_end(&m->mesh, face);
         int reversed = m->edit->reverse_faces && m->edit->reverse_faces[face];
-        for (size_t c = begin; c < end; c++) {
+        for (size_t c = begin; c < end; ++c) {
             size_t number = norma_fix_normal_of(m, face, c),
                    now = reversed && c > begin ? end + begin - c : c;
             const float *normal = m->surface ? m->surface + 3 * now : m->face_normals + 3 * face;
             if (number == SIZE_MAX || !marks[number]) continue;
-            for (size_t axis = 0; axis < 3; axis++)
+            for (size_t axis = 0; axis < 3; ++axis)
                 sums[number].normal[axis] += (double)normal[axis];
-            sums[number].corners++;
+            ++sums[number].corners;
         }
     }
     const int may_compute = !result && may_compute_broken(m, marks);
-    for (size_t i = 0; i < count && !result; i++) {
+    for (size_t i = 0; i < count && !result; ++i) {
         if (marks[i] == MEND_BAD && may_compute && is_torn(&sums[i])) {
             m->plan->breaks = 1;
             m->plan->deviation = m->deviation;
@@ -101,7 +101,7 @@ static norma_result recompute_named(fix_mesh *m) {
         any = bad > 0 || zero > 0 || far > 0 || all;
     if (any && !marks) marks = calloc(count + 1, 1);
     int failed = bad < 0 || zero < 0 || far < 0 || (any && !marks);
-    for (size_t i = 0; i < count && any && !failed; i++)
+    for (size_t i = 0; i < count && any && !failed; ++i)
         if (!marks[i] && (all || (wrong && wrong[i]))) marks[i] = MEND_WRONG;
     norma_result result = failed ? NORMA_ERROR_MEMORY : any ? recompute(m, marks) : NORMA_OK;
     free(marks);
@@ -116,7 +116,7 @@ static norma_result normalise_named(fix_mesh *m) {
     size_t count = norma_fix_normal_count(m);
     int any = norma_fix_mark(m, RULE_N103, element_of(m), count, &marks);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
-    for (size_t i = 0; i < count && any > 0 && !result; i++) {
+    for (size_t i = 0; i < count && any > 0 && !result; ++i) {
         double normal[3];
         if (!marks[i] || (m->edit->set_normals && m->edit->set_normals[i])) continue;
         norma_fix_normal(m, i, normal);
@@ -160,9 +160,9 @@ static norma_result rewrite_facets(fix_mesh *m) {
         return made;
     }
     size_t left[3] = {0};
-    for (size_t f = 0; f < m->mesh.face_count && any > 0 && m->sides; f++) {
+    for (size_t f = 0; f < m->mesh.face_count && any > 0 && m->sides; ++f) {
         const int why = marks[f] ? why_left(m, f) : 0;
-        left[why]++;
+        ++left[why];
         if (why) marks[f] = 0;
     }
     note_left(m, left[1], "there the winding is wrong and the normal is right (N301, N302)");
@@ -181,7 +181,7 @@ typedef struct seam_place {
 
 static int compare_seam_places(const void *a, const void *b) {
     const seam_place *one = a, *other = b;
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (one->position[axis] != other->position[axis])
             return one->position[axis] < other->position[axis] ? -1 : 1;
     return 0;
@@ -189,12 +189,12 @@ static int compare_seam_places(const void *a, const void *b) {
 
 static seam_place *gather_places(const fix_mesh *m, size_t *count) {
     size_t room = 0;
-    for (size_t i = 0; i < m->finding_count; i++) room += m->findings[i]->sample_count;
+    for (size_t i = 0; i < m->finding_count; ++i) room += m->findings[i]->sample_count;
     seam_place *places = calloc(room + 1, sizeof *places);
     *count = 0;
     const norma_rule *seams = norma_rules(&room) + RULE_N501;
-    for (size_t i = 0; places && i < m->finding_count; i++)
-        for (size_t k = 0; m->findings[i]->rule == seams && k < m->findings[i]->sample_count; k++) {
+    for (size_t i = 0; places && i < m->finding_count; ++i)
+        for (size_t k = 0; m->findings[i]->rule == seams && k < m->findings[i]->sample_count; ++k) {
             size_t vertex = m->findings[i]->samples[k].vertex;
             if (vertex < m->mesh.positions.count) {
                 norma_core_position(&m->mesh, (uint32_t)vertex, places[*count].position);
@@ -207,9 +207,9 @@ static seam_place *gather_places(const fix_mesh *m, size_t *count) {
 
 /* A vn that corners elsewhere use as well cannot be changed without changing them. */
 static void find_shared(const fix_mesh *m, const uint8_t *at_seam, uint8_t *shared) {
-    for (size_t face = 0; face < m->mesh.face_count; face++)
+    for (size_t face = 0; face < m->mesh.face_count; ++face)
         for (size_t c = norma_core_face_begin(&m->mesh, face);
-             c < norma_core_face_end(&m->mesh, face); c++) {
+             c < norma_core_face_end(&m->mesh, face); ++c) {
             size_t number = norma_fix_normal_of(m, face, c);
             if (number != SIZE_MAX && !at_seam[norma_core_corner(&m->mesh, c)]) shared[number] = 1;
         }
@@ -219,9 +219,9 @@ static norma_result set_seam_normals(fix_mesh *m, const uint8_t *at_seam, const 
     uint8_t *shared = calloc(norma_fix_normal_count(m) + 1, 1);
     norma_result result = shared ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (shared) find_shared(m, at_seam, shared);
-    for (size_t face = 0; face < m->mesh.face_count && !result; face++)
+    for (size_t face = 0; face < m->mesh.face_count && !result; ++face)
         for (size_t c = norma_core_face_begin(&m->mesh, face);
-             c < norma_core_face_end(&m->mesh, face) && !result; c++) {
+             c < norma_core_face_end(&m->mesh, face) && !result; ++c) {
             uint32_t position = norma_core_corner(&m->mesh, c);
             size_t number = norma_fix_normal_of(m, face, c);
             if (number == SIZE_MAX || !at_seam[position] || shared[number]) continue;
@@ -236,7 +236,7 @@ static norma_result set_seam_normals(fix_mesh *m, const uint8_t *at_seam, const 
 /* Seams that several primitives have in common: their normals are given. */
 static norma_result share_across(fix_mesh *m) {
     uint8_t *at_seam = calloc(m->mesh.positions.count + 1, 1);
-    for (size_t i = 0; at_seam && i < m->mesh.positions.count; i++)
+    for (size_t i = 0; at_seam && i < m->mesh.positions.count; ++i)
         at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
     norma_result result = at_seam ? set_seam_normals(m, at_seam, m->smooth) : NORMA_ERROR_MEMORY;
     free(at_seam);
@@ -258,7 +258,7 @@ static norma_result share_seams(fix_mesh *m) {
             .struct_size = sizeof options, .weight = m->deviation.weight, .threads = m->threads};
         result = norma_vertex_normals(&now, &options, smooth, positions, NULL);
     }
-    for (size_t i = 0; i < positions && !result && count; i++) {
+    for (size_t i = 0; i < positions && !result && count; ++i) {
         norma_core_position(&m->mesh, (uint32_t)i, key.position);
         at_seam[i] = bsearch(&key, places, count, sizeof *places, compare_seam_places) != NULL;
     }
@@ -285,14 +285,14 @@ static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *plac
     size_t count, taken = 0;
     const norma_finding **found =
         norma_places_find(w->group->mended, w->group->wheres[mesh], &count);
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; ++k) {
         if (!norma_fix_is_rule(found[k], RULE_N501)) continue;
-        for (size_t s = 0; s < found[k]->sample_count; s++) {
+        for (size_t s = 0; s < found[k]->sample_count; ++s) {
             const size_t vertex = found[k]->samples[s].vertex;
             if (vertex >= w->meshes[mesh].positions.count) continue;
             if (places)
                 norma_core_position(&w->meshes[mesh], (uint32_t)vertex, places[taken].position);
-            taken++;
+            ++taken;
         }
     }
     return taken;
@@ -301,10 +301,10 @@ static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *plac
 /* Those of all of the mesh's primitives. NULL: out of memory. */
 static seam_place *gather_seam_places(const fix_whole *w, size_t *count) {
     size_t sum = 0;
-    for (size_t i = 0; i < w->group->count; i++) sum += take_seam_places(w, i, NULL);
+    for (size_t i = 0; i < w->group->count; ++i) sum += take_seam_places(w, i, NULL);
     seam_place *places = calloc(sum + 1, sizeof *places);
     *count = 0;
-    for (size_t i = 0; places && i < w->group->count; i++)
+    for (size_t i = 0; places && i < w->group->count; ++i)
         *count += take_seam_places(w, i, places + *count);
     if (places) qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
@@ -337,12 +337,12 @@ static norma_result share_out(
         float *smooth = malloc((vertices + 1) * 3 * sizeof *smooth);
         if (!smooth) return NORMA_ERROR_MEMORY;
         w->group->smooth[w->group->indices[i]] = smooth;
-        for (size_t v = 0; v < vertices; v++) {
+        for (size_t v = 0; v < vertices; ++v) {
             seam_place key;
             norma_core_position(&w->meshes[i], (uint32_t)v, key.position);
             const int named =
                 bsearch(&key, places, count, sizeof *places, compare_seam_places) != NULL;
-            for (size_t k = 0; k < 3; k++)
+            for (size_t k = 0; k < 3; ++k)
                 smooth[3 * v + k] = named ? normals[3 * (begin + v) + k] : NAN;
         }
     }
@@ -413,7 +413,7 @@ static int mark_again(const fix_mesh *m, tangent_marks *marks) {
                        norma_fix_has(m, RULE_N805)
                    ? compute_later(m) - 1
                    : 0;
-    for (size_t i = 0; i < sizeof rules / sizeof *rules && any >= 0; i++) {
+    for (size_t i = 0; i < sizeof rules / sizeof *rules && any >= 0; ++i) {
         int found = norma_fix_mark(m, rules[i], MEND_VERTEX, m->info.vertices, &marks->again);
         any = found < 0 ? found : any | found;
     }
@@ -436,7 +436,7 @@ static int is_marked(const uint8_t *marks, size_t i) { return marks && marks[i];
 
 /* A sign that is wrong by itself keeps its vector, to the bit. */
 static void turn_signs(const fix_mesh *m, const tangent_marks *marks, float *tangents) {
-    for (size_t i = 0; marks->turned && i < m->attributes.tangent_count; i++) {
+    for (size_t i = 0; marks->turned && i < m->attributes.tangent_count; ++i) {
         if (!marks->turned[i] || is_marked(marks->again, i)) continue;
         if (!is_marked(marks->lean, i))
             memcpy(tangents + 4 * i, m->attributes.tangents + 4 * i, 3 * sizeof *tangents);
@@ -452,12 +452,12 @@ static norma_result make_tangents(fix_mesh *m, const tangent_marks *marks) {
     m->edit->tangents = tangents;
     m->edit->set_tangents = set;
     norma_result result = tangents && normals && set ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !result; i++) {
+    for (size_t i = 0; i < count && !result; ++i) {
         double normal[3] = {0, 0, 0};
         int made = is_marked(marks->again, i);
         set[i] = (uint8_t)(made || is_marked(marks->lean, i) || is_marked(marks->turned, i));
         if (i < norma_fix_normal_count(m)) norma_fix_normal(m, i, normal);
-        for (size_t k = 0; k < 3; k++) normals[3 * i + k] = (float)normal[k];
+        for (size_t k = 0; k < 3; ++k) normals[3 * i + k] = (float)normal[k];
         if (made)
             tangents[4 * i + 3] = 1;
         else if (i < m->attributes.tangent_count)

@@ -27,10 +27,10 @@ static int same_edge(const fix_edge *a, const fix_edge *b) {
 
 static int gather_body_edges(bodies *b) {
     size_t corners = 0, face = 0;
-    for (size_t i = 0; i < b->count; i++) corners += b->meshes[i].corner_count;
+    for (size_t i = 0; i < b->count; ++i) corners += b->meshes[i].corner_count;
     b->edges = malloc((corners + 1) * sizeof *b->edges);
-    for (size_t i = 0; b->edges && i < b->count; i++)
-        for (size_t f = 0; f < b->meshes[i].face_count; f++, face++) {
+    for (size_t i = 0; b->edges && i < b->count; ++i)
+        for (size_t f = 0; f < b->meshes[i].face_count; ++f, ++face) {
             fix_edge *edges = b->edges + b->edge_count;
             const size_t count =
                 norma_fix_face_edges(&b->meshes[i], f, (uint32_t)face, (uint32_t)i, edges);
@@ -44,25 +44,25 @@ static int gather_body_edges(bodies *b) {
 
 static void find_body_parts(bodies *b) {
     const fix_edge *e = b->edges;
-    for (size_t i = 1; i < b->edge_count; i++)
+    for (size_t i = 1; i < b->edge_count; ++i)
         if (norma_fix_compare_edges(&e[i - 1], &e[i]) == 0)
             norma_core_join_sets(b->parts, e[i - 1].face, e[i].face);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
         for (end = begin + 1;
              end < b->edge_count && norma_fix_compare_edges(&e[begin], &e[end]) == 0;)
-            end++;
+            ++end;
         if (end - begin != 2 || e[begin].way == e[begin + 1].way)
             b->open[norma_core_set_of(b->parts, e[begin].face)] = 1;
     }
 }
 
 static void join_open(bodies *b) {
-    for (size_t f = 0; f < b->face_count; f++)
+    for (size_t f = 0; f < b->face_count; ++f)
         b->joined[f] = norma_core_set_of(b->parts, (uint32_t)f);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
         size_t first = SIZE_MAX;
         for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]);
-             end++) {
+             ++end) {
             const uint32_t part = norma_core_set_of(b->parts, b->edges[end].face);
             if (!b->open[part]) continue;
             if (first != SIZE_MAX)
@@ -76,7 +76,7 @@ static void join_open(bodies *b) {
  * is marked become marked. */
 static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named) {
     bodies b = {.meshes = meshes, .count = count};
-    for (size_t i = 0; i < count; i++) b.face_count += meshes[i].face_count;
+    for (size_t i = 0; i < count; ++i) b.face_count += meshes[i].face_count;
     b.parts = malloc((b.face_count + 1) * sizeof *b.parts);
     b.joined = malloc((b.face_count + 1) * sizeof *b.joined);
     b.open = calloc(b.face_count + 1, 1);
@@ -84,12 +84,12 @@ static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint
     const int fine = b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX &&
                      gather_body_edges(&b);
     if (fine) {
-        for (size_t f = 0; f < b.face_count; f++) b.parts[f] = (uint32_t)f;
+        for (size_t f = 0; f < b.face_count; ++f) b.parts[f] = (uint32_t)f;
         find_body_parts(&b);
         join_open(&b);
-        for (size_t f = 0; f < b.face_count; f++)
+        for (size_t f = 0; f < b.face_count; ++f)
             if (named[f]) bodies_named[norma_core_set_of(b.joined, (uint32_t)f)] = 1;
-        for (size_t f = 0; f < b.face_count; f++)
+        for (size_t f = 0; f < b.face_count; ++f)
             named[f] = bodies_named[norma_core_set_of(b.joined, (uint32_t)f)];
     }
     free(b.edges);
@@ -130,7 +130,7 @@ static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
     if (!result)
         result = norma_orient(
             &whole.mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
-    for (size_t f = 0; f < t->face_count && !result; f++)
+    for (size_t f = 0; f < t->face_count && !result; ++f)
         marks[f] = marks[f] && alike[f] != rays[f];
     if (!result && report.open) add_votes(t->group->plan, &report);
     norma_check_unjoin(&whole);
@@ -143,23 +143,23 @@ static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
  * that looks inward is turned with it, if all of it looks outward */
 
 static void mark_bodies(const core_components *c, uint8_t *marks) {
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         int any = 0;
-        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) any |= marks[c->faces[k]];
-        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = (uint8_t)any;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; ++k) any |= marks[c->faces[k]];
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; ++k) marks[c->faces[k]] = (uint8_t)any;
     }
 }
 
 static void mark_shells(const core_components *c, uint8_t *marks, uint8_t *keeps) {
-    for (size_t i = 0; i < c->count; i++)
+    for (size_t i = 0; i < c->count; ++i)
         if (c->each[i].parent != UINT32_MAX && c->each[i].verdict != COMPONENT_NESTED)
             keeps[c->each[i].parent] = 1;
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         const uint32_t parent = c->each[i].parent;
         if (parent == UINT32_MAX || keeps[parent] || c->each[parent].verdict != COMPONENT_INWARD ||
             !marks[c->faces[c->starts[parent]]])
             continue;
-        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = 1;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; ++k) marks[c->faces[k]] = 1;
     }
 }
 
@@ -218,7 +218,7 @@ static norma_result share_turned(const fix_whole *t, const uint8_t *inward, cons
         uint8_t *marks = malloc(t->meshes[i].face_count + 1);
         int any = 0;
         if (!marks) return NORMA_ERROR_MEMORY;
-        for (size_t f = 0; f < t->meshes[i].face_count; f++)
+        for (size_t f = 0; f < t->meshes[i].face_count; ++f)
             any |= marks[f] = inward[begin + f] ^ open[begin + f];
         if (any)
             t->group->turned[t->group->indices[i]] = marks;
@@ -336,7 +336,7 @@ size_t norma_fix_gather_group(const norma_document *document, size_t first, size
     const char **wheres, size_t *count) {
     norma_mesh_info info;
     size_t mesh = 0, i = first;
-    for (*count = 0; i < norma_document_mesh_count(document); i++) {
+    for (*count = 0; i < norma_document_mesh_count(document); ++i) {
         if (norma_document_mesh_info(document, i, &info) || (i > first && info.mesh != mesh)) break;
         mesh = info.mesh;
         if (info.not_read) continue;
@@ -369,16 +369,16 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
 /* ---- the document: changes to the whole of it come after those of its meshes */
 
 void norma_fix_plan_free(fix_plan *plan) {
-    for (size_t i = 0; plan->edits && i < plan->mesh_count; i++) {
+    for (size_t i = 0; plan->edits && i < plan->mesh_count; ++i) {
         const norma_mesh_edit *edit = &plan->edits[i];
         const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals,
             edit->set_normals, edit->positions, edit->set_positions, edit->tangents,
             edit->set_tangents, edit->cut_faces, edit->cut_corners, edit->source_vertices,
             edit->new_corners};
-        for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
+        for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k)
             free((void *)(uintptr_t)blocks[k]);
     }
-    for (size_t i = 0; i < plan->note_count; i++) free(plan->notes[i].text);
+    for (size_t i = 0; i < plan->note_count; ++i) free(plan->notes[i].text);
     free(plan->notes);
     free(plan->edits);
     free(plan->recentred);
@@ -389,7 +389,7 @@ void norma_fix_plan_free(fix_plan *plan) {
 }
 
 static int has_edit(const fix_plan *plan) {
-    for (size_t i = 0; i < plan->mesh_count; i++)
+    for (size_t i = 0; i < plan->mesh_count; ++i)
         if (norma_fix_has_edit(&plan->edits[i])) return 1;
     return 0;
 }
@@ -401,7 +401,7 @@ int norma_fix_plan_is_empty(const fix_plan *plan) {
 
 int norma_fix_plan_moves(const fix_plan *plan) {
     int moves = plan->recentred || plan->tangents || plan->smoothed || plan->bakes;
-    for (size_t i = 0; i < plan->mesh_count; i++)
+    for (size_t i = 0; i < plan->mesh_count; ++i)
         moves |= plan->edits[i].drop_faces || plan->edits[i].cut_faces ||
                  plan->edits[i].set_positions || plan->edits[i].source_vertices;
     return moves;
@@ -409,7 +409,7 @@ int norma_fix_plan_moves(const fix_plan *plan) {
 
 /* The rules whose fixes the document's findings ask for. */
 static void mark_asked(mender *m) {
-    for (size_t i = 0; i < m->mended.count; i++)
+    for (size_t i = 0; i < m->mended.count; ++i)
         m->plan->asked[m->mended.findings[i]->rule - norma_rules(NULL)] = 1;
 }
 
@@ -418,7 +418,7 @@ static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **m
     if (!m->plan->asked[rule]) return NORMA_DOCUMENT_OK;
     *marks = calloc(m->mesh_count + 1, 1);
     if (!*marks) return fail_plan(m, NORMA_ERROR_MEMORY);
-    for (size_t i = 0; i < m->mesh_count; i++) {
+    for (size_t i = 0; i < m->mesh_count; ++i) {
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
@@ -443,7 +443,7 @@ static norma_document_result plan_rest(mender *m) {
 
 /* Whether facets are named whose normals are on the other side. */
 static int opposes(const mender *m) {
-    for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(m->findings); ++i) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
         if (norma_fix_is_rule(finding, RULE_N205) && m->request->wanted[RULE_N205] &&
             finding->worst_value > 90)
@@ -468,7 +468,7 @@ static norma_document_result plan_all(mender *m) {
               sides = m->plan->asked[RULE_N201] || m->plan->asked[RULE_N301] || opposes(m),
               shares = m->plan->asked[RULE_N501];
     if (turns || sides || shares) result = fix_groups(m, turns, sides, shares);
-    for (size_t i = 0; i < m->mesh_count && !result; i++) result = fix_mesh_of(m, i);
+    for (size_t i = 0; i < m->mesh_count && !result; ++i) result = fix_mesh_of(m, i);
     return result ? result : plan_rest(m);
 }
 
@@ -482,7 +482,7 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
         .error = error};
     *plan = (fix_plan){0};
     const norma_document_result result = plan_all(&m);
-    for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; i++) {
+    for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; ++i) {
         free(m.turned[i]);
         free(m.sides[i]);
         free(m.smooth[i]);

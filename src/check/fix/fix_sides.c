@@ -42,7 +42,7 @@ static norma_document_result share_sides(
         memcpy(own, sides, faces);
         group->sides[group->indices[i]] = own;
         result = is_on_purpose(group, group->indices[i], &on_purpose);
-        for (size_t f = 0; f < faces && !result && on_purpose; f++)
+        for (size_t f = 0; f < faces && !result && on_purpose; ++f)
             if (own[f] & CORE_SIDE_BY_RAYS) own[f] |= CORE_SIDE_UNDECIDED;
     }
     return result;
@@ -57,12 +57,12 @@ static uint8_t *mark_asked_faces(const fix_whole *whole, const core_topology *to
     uint8_t *asked = calloc(whole->face_count + 1, 1);
     if (!asked) return NULL;
     (void)norma_check_count_conflicts(topology, asked);
-    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         (void)norma_fix_mark_whole(whole, rules[i], asked);
     size_t begin = 0;
     for (size_t i = 0; i < group->count; begin += whole->meshes[i++].face_count) {
         const uint8_t *turned = group->turned[group->indices[i]];
-        for (size_t f = 0; turned && f < whole->meshes[i].face_count; f++)
+        for (size_t f = 0; turned && f < whole->meshes[i].face_count; ++f)
             asked[begin + f] |= turned[f];
     }
     return asked;
@@ -126,15 +126,15 @@ static uint32_t *find_parts(const core_mesh *mesh) {
         free(edges);
         return NULL;
     }
-    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
+    for (size_t face = 0; face < mesh->face_count; ++face) parents[face] = (uint32_t)face;
     size_t count = 0;
-    for (size_t face = 0; face < mesh->face_count; face++)
+    for (size_t face = 0; face < mesh->face_count; ++face)
         count += norma_fix_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
     qsort(edges, count, sizeof *edges, norma_fix_compare_edges);
-    for (size_t i = 1; i < count; i++)
+    for (size_t i = 1; i < count; ++i)
         if (norma_fix_compare_edges(&edges[i - 1], &edges[i]) == 0)
             norma_core_join_sets(parents, edges[i - 1].face, edges[i].face);
-    for (size_t face = 0; face < mesh->face_count; face++)
+    for (size_t face = 0; face < mesh->face_count; ++face)
         parents[face] = norma_core_set_of(parents, (uint32_t)face);
     free(edges);
     return parents;
@@ -157,9 +157,9 @@ static void note_undecided(const fix_mesh *m, check_rule rule, size_t faces) {
 static void leave_whole_parts(const fix_mesh *m, const uint32_t *parts, uint8_t *reverse) {
     uint8_t *stays = calloc(m->mesh.face_count + 1, 1), *named = NULL;
     const int any = norma_fix_mark(m, RULE_N301, MEND_FACE, m->mesh.face_count, &named);
-    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
+    for (size_t face = 0; stays && face < m->mesh.face_count; ++face)
         if (!reverse[face] || (any > 0 && named[face])) stays[parts[face]] = 1;
-    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
+    for (size_t face = 0; stays && face < m->mesh.face_count; ++face)
         reverse[face] &= stays[parts[face]];
     free(named);
     free(stays);
@@ -170,7 +170,7 @@ static norma_result reverse_turned(const fix_mesh *m, uint8_t *reverse) {
     uint32_t *parts = find_parts(&m->mesh);
     size_t undecided = 0;
     if (!parts) return NORMA_ERROR_MEMORY;
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
+    for (size_t face = 0; face < m->mesh.face_count; ++face) {
         reverse[face] = (uint8_t)norma_check_is_turned(m->sides[face]);
         undecided += m->sides[face] & CORE_SIDE_TURNED && m->sides[face] & CORE_SIDE_UNDECIDED;
     }
@@ -190,12 +190,12 @@ static norma_result reverse_opposed(const fix_mesh *m, uint8_t *reverse) {
     uint8_t *opposed = any > 0 ? calloc(faces + 1, 1) : NULL;
     const int fine = any == 0 || (parts && opposed);
     size_t undecided = 0;
-    for (size_t face = 0; face < faces && any > 0 && fine; face++) {
+    for (size_t face = 0; face < faces && any > 0 && fine; ++face) {
         if (!named[face]) continue;
         undecided += (m->sides[face] & CORE_SIDE_UNDECIDED) != 0;
         if (norma_check_is_turned(m->sides[face])) opposed[parts[face]] = 1;
     }
-    for (size_t face = 0; face < faces && any > 0 && fine; face++)
+    for (size_t face = 0; face < faces && any > 0 && fine; ++face)
         if (opposed[parts[face]] && norma_check_is_turned(m->sides[face])) reverse[face] = 1;
     if (undecided && fine) note_undecided(m, RULE_N201, undecided);
     free(named);
@@ -213,7 +213,7 @@ norma_result norma_fix_windings(fix_mesh *m) {
     norma_result result = reverse ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result && alike && m->sides) result = reverse_turned(m, reverse);
     if (!result && opposed && m->sides) result = reverse_opposed(m, reverse);
-    for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
+    for (size_t face = 0; face < m->mesh.face_count && !result; ++face) {
         if (m->turned && m->turned[face])
             reverse[face] = !m->sides || norma_check_is_turned(m->sides[face]);
         any |= reverse[face];
@@ -234,13 +234,13 @@ typedef struct side_count {
 } side_count;
 
 static void count_sides(const fix_mesh *m, const uint8_t *named, side_count *sides) {
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
+    for (size_t face = 0; face < m->mesh.face_count; ++face) {
         const float *direction = m->face_normals + 3 * face;
         const int decided = m->sides && !(m->sides[face] & CORE_SIDE_UNDECIDED);
         int candidate = (named && named[face] && decided) ||
                         (m->edit->reverse_faces && m->edit->reverse_faces[face]);
         for (size_t c = norma_core_face_begin(&m->mesh, face);
-             c < norma_core_face_end(&m->mesh, face); c++) {
+             c < norma_core_face_end(&m->mesh, face); ++c) {
             double normal[3];
             size_t number = norma_fix_normal_of(m, face, c);
             if (number == SIZE_MAX) continue;
@@ -262,11 +262,11 @@ norma_result norma_fix_turn_normals(fix_mesh *m) {
         side_count *sides = calloc(count + 1, sizeof *sides);
         result = sides ? norma_fix_face_normals(m) : NORMA_ERROR_MEMORY;
         if (!result) count_sides(m, named, sides);
-        for (size_t i = 0; i < count && !result; i++) {
+        for (size_t i = 0; i < count && !result; ++i) {
             double normal[3];
             if (!sides[i].candidate || sides[i].against <= sides[i].with) continue;
             norma_fix_normal(m, i, normal);
-            for (int axis = 0; axis < 3; axis++) normal[axis] = -normal[axis];
+            for (int axis = 0; axis < 3; ++axis) normal[axis] = -normal[axis];
             result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
         }
         free(sides);

@@ -40,7 +40,7 @@ static int add_shape_point(fix_shapes *s, const double p[3]) {
     if (!points) return 0;
     s->points = points;
     memcpy(s->points[s->point_count++], p, sizeof *points);
-    s->each[s->count - 1].count++;
+    ++s->each[s->count - 1].count;
     return 1;
 }
 
@@ -51,8 +51,8 @@ static int compare_keys(const void *a, const void *b) {
 
 static int sort_shapes(fix_shapes *s) {
     s->keys = malloc((s->point_count + 1) * sizeof *s->keys);
-    for (size_t i = 0; s->keys && i < s->count; i++)
-        for (size_t k = s->each[i].begin; k < s->each[i].begin + s->each[i].count; k++)
+    for (size_t i = 0; s->keys && i < s->count; ++i)
+        for (size_t k = s->each[i].begin; k < s->each[i].begin + s->each[i].count; ++k)
             s->keys[k] = (fix_key){shape_key(s->points[k]), i};
     if (s->keys) qsort(s->keys, s->point_count, sizeof *s->keys, compare_keys);
     return s->keys != NULL;
@@ -65,7 +65,7 @@ static void free_shapes(fix_shapes *s) {
 }
 
 static int has_point(const fix_shapes *s, const fix_shape *shape, const double p[3], double near) {
-    for (size_t k = shape->begin; k < shape->begin + shape->count; k++) {
+    for (size_t k = shape->begin; k < shape->begin + shape->count; ++k) {
         const double *q = s->points[k];
         if (fabs(p[0] - q[0]) <= near && fabs(p[1] - q[1]) <= near && fabs(p[2] - q[2]) <= near)
             return 1;
@@ -90,17 +90,17 @@ static size_t find_key(const fix_shapes *s, double key) {
 static int was_there(
     const fix_shapes *before, const fix_shapes *after, const fix_shape *shape, double near) {
     size_t begin = 0, end = SIZE_MAX;
-    for (size_t k = shape->begin; k < shape->begin + shape->count; k++) {
+    for (size_t k = shape->begin; k < shape->begin + shape->count; ++k) {
         const double key = shape_key(after->points[k]), reach = 2 * near;
         const size_t from = find_key(before, key - reach), to = find_key(before, key + reach);
         if (to - from < end - begin) begin = from, end = to;
     }
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         const fix_shape *was = &before->each[before->keys[i].shape];
         size_t found = 0;
         while (was->mesh == shape->mesh && found < shape->count &&
                has_point(before, was, after->points[shape->begin + found], near))
-            found++;
+            ++found;
         if (found == shape->count) return 1;
     }
     return 0;
@@ -108,7 +108,7 @@ static int was_there(
 
 static int has_new_shape(const fix_shapes *before, const fix_shapes *after, double near) {
     if (before->is_cut || after->is_cut) return 0;
-    for (size_t i = 0; i < after->count; i++)
+    for (size_t i = 0; i < after->count; ++i)
         if (!was_there(before, after, &after->each[i], near)) return 1;
     return 0;
 }
@@ -124,17 +124,17 @@ static void tally_edge(
     edge_count *counts = context;
     size_t out = 0;
     (void)position;
-    for (size_t i = 0; i < count; i++) out += runs[i].out != 0;
+    for (size_t i = 0; i < count; ++i) out += runs[i].out != 0;
     counts[block].loose += 2 * out != count;
     counts[block].surplus += count > 2 ? count - 2 : 0;
 }
 
 /* Once for each face at it. */
 static int add_crowded(const core_topology *t, size_t group, fix_shapes *edges) {
-    for (size_t face = 0; face < t->mesh.face_count; face++) {
+    for (size_t face = 0; face < t->mesh.face_count; ++face) {
         const size_t begin = norma_core_face_begin(&t->mesh, face),
                      end = norma_core_face_end(&t->mesh, face);
-        for (size_t c = begin; c < end; c++) {
+        for (size_t c = begin; c < end; ++c) {
             double a[3], b[3];
             if (t->partners[c] != CORE_EDGE_MANY) continue;
             edges->is_cut |= edges->count >= MOST_SHAPES;
@@ -165,7 +165,7 @@ static norma_result count_odd_edges(
     edge_count *counts = calloc(blocks + 1, sizeof *counts);
     const core_topology_visitor visitor = {.context = counts, .edge = tally_edge};
     result = counts ? norma_core_pair_edges(&topology, &visitor) : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; counts && i < blocks; i++) {
+    for (size_t i = 0; counts && i < blocks; ++i) {
         measure->loose += counts[i].loose;
         measure->surplus += counts[i].surplus;
     }
@@ -195,7 +195,7 @@ static int is_opposed(const fix_mesh *m, size_t face, const core_face *geometry,
     const size_t begin = norma_core_face_begin(&m->mesh, face),
                  end = norma_core_face_end(&m->mesh, face);
     int opposed = end > begin;
-    for (size_t c = begin; c < end && opposed; c++) {
+    for (size_t c = begin; c < end && opposed; ++c) {
         double n[3];
         const size_t number = norma_fix_normal_of(m, face, c);
         if (number == SIZE_MAX) return 0;
@@ -208,7 +208,7 @@ static int is_opposed(const fix_mesh *m, size_t face, const core_face *geometry,
 static int is_sliver(const core_mesh *mesh, size_t face, const core_face *geometry) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double longest = 0, a[3], b[3];
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         norma_core_position(mesh, norma_core_corner(mesh, c), a);
         norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), b);
         const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -221,7 +221,7 @@ static int add_behind(const core_mesh *mesh, size_t face, size_t index, fix_shap
     faces->is_cut |= faces->count >= MOST_SHAPES;
     if (faces->is_cut) return 1;
     int fine = begin_shape(faces, index);
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         fine = fine && add_shape_point(faces, p);
@@ -238,7 +238,7 @@ static norma_document_result measure_normals(
     if (result || norma_core_mesh_shape(&m.data.mesh, &m.mesh)) return result;
     m.mesh.scale = 1;
     const double across = fmax(1e-6, norma_check_encoding_bound(m.info.encoding));
-    for (size_t face = 0; face < m.mesh.face_count; face++) {
+    for (size_t face = 0; face < m.mesh.face_count; ++face) {
         core_face geometry;
         norma_core_face_geometry(&m.mesh, face, &geometry);
         if (!(geometry.flags & CORE_FACE_FINITE)) continue;
@@ -270,7 +270,7 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
         if (!result && !how && whole.face_count)
             how = measure_whole(&whole, indices[0], request->options.threads, measure);
         norma_fix_close_whole(&whole);
-        for (size_t i = 0; i < of && !result && !how; i++)
+        for (size_t i = 0; i < of && !result && !how; ++i)
             result = measure_normals(&these, indices[i], measure, &how);
     }
     free(indices);
@@ -297,7 +297,7 @@ norma_document_result norma_fix_find(norma_document *document, const fix_request
     const check_known *known, norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         rules[rule] = (uint8_t)norma_fix_is_weighed(request, (check_rule)rule);
     rules[RULE_N811] = rules[RULE_N812] = (uint8_t)(maps != 0);
     options.rules = rules;
@@ -319,7 +319,7 @@ typedef struct verdict { /* of each rule: elements at warning or above, and the 
 static verdict weigh_findings(const norma_findings *findings) {
     verdict sum = {0};
     size_t count;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         const size_t rule = (size_t)(finding->rule - norma_rules(&count));
         if (finding->severity < NORMA_SEVERITY_WARNING) continue;
@@ -330,7 +330,7 @@ static verdict weigh_findings(const norma_findings *findings) {
 }
 
 static int is_found_at(const norma_findings *findings, check_rule rule, const char *where) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (norma_fix_is_rule(finding, rule) && strcmp(finding->where, where) == 0) return 1;
     }
@@ -339,7 +339,7 @@ static int is_found_at(const norma_findings *findings, check_rule rule, const ch
 
 /* Whether one part of a map is right now, and another wrong. */
 static int changes_place(const fix_measure *before, const fix_measure *after, check_rule rule) {
-    for (size_t i = 0; i < norma_findings_count(after->findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(after->findings); ++i) {
         const norma_finding *finding = norma_findings_get(after->findings, i);
         if (norma_fix_is_rule(finding, rule) &&
             !is_found_at(before->findings, rule, finding->where))
@@ -364,10 +364,10 @@ const char *norma_fix_worse_shape(const fix_measure *before, const fix_measure *
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
     const verdict was = weigh_findings(before->findings), is = weigh_findings(after->findings);
     int any = norma_fix_worse_shape(before, after) != NULL;
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i)
         worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
     worse[RULE_N812] |= (uint8_t)changes_place(before, after, RULE_N812);
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++) any |= worse[i];
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) any |= worse[i];
     return any;
 }
 
@@ -415,7 +415,7 @@ norma_document_result norma_fix_try(const check_known *known, const fix_request 
     norma_document_result result = norma_document_copy(known->document, &copy, error);
     const size_t notes = norma_document_note_count(copy);
     if (!result) result = take_steps(copy, request, known, trial, error);
-    for (size_t i = 0; i < trial->count; i++)
+    for (size_t i = 0; i < trial->count; ++i)
         trial->after.is_elsewhere |= trial->plans[i].recentred || trial->plans[i].bakes;
     if (!result) result = norma_fix_measure_shape(copy, request, &trial->after, error);
     if (!result && norma_document_note_count(copy) > notes)
@@ -425,7 +425,7 @@ norma_document_result norma_fix_try(const check_known *known, const fix_request 
 }
 
 void norma_fix_trial_free(fix_trial *trial) {
-    for (size_t i = 0; i < trial->count; i++) norma_fix_plan_free(&trial->plans[i]);
+    for (size_t i = 0; i < trial->count; ++i) norma_fix_plan_free(&trial->plans[i]);
     norma_fix_measure_free(&trial->after);
     *trial = (fix_trial){0};
 }

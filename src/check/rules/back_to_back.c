@@ -18,7 +18,7 @@ static int edge_is_less(const void *first, const void *second) {
 
 static size_t count_pair_corners(const core_mesh *mesh, const uint32_t *faces, size_t count) {
     size_t corners = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         corners += norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
     return corners;
 }
@@ -26,9 +26,9 @@ static size_t count_pair_corners(const core_mesh *mesh, const uint32_t *faces, s
 static size_t list_edges(
     const core_topology *t, const uint32_t *faces, size_t count, pair_edge *edges) {
     size_t at = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         for (size_t c = norma_core_face_begin(&t->mesh, faces[i]);
-             c < norma_core_face_end(&t->mesh, faces[i]); c++) {
+             c < norma_core_face_end(&t->mesh, faces[i]); ++c) {
             if (t->partners[c] == CORE_EDGE_NONE) continue;
             const uint32_t a = t->corners[c],
                            b = t->corners[norma_core_topology_next(t, faces[i], c)];
@@ -41,18 +41,18 @@ static size_t list_edges(
 /* sets: joined, the least of each first. open: of each pair. */
 static void mark_open_sides(
     const pair_edge *edges, size_t count, uint32_t *sets, uint8_t *open, size_t pairs) {
-    for (uint32_t i = 0; i < pairs; i++) sets[i] = i;
+    for (uint32_t i = 0; i < pairs; ++i) sets[i] = i;
     memset(open, 0, pairs);
     for (size_t begin = 0, end; begin < count; begin = end) {
         for (end = begin + 1; end < count && edges[end].low == edges[begin].low &&
                               edges[end].high == edges[begin].high;
-             end++)
+             ++end)
             norma_core_join_sets(sets, edges[begin].pair, edges[end].pair);
         if ((end - begin) % 2) open[edges[begin].pair] = 1;
     }
-    for (uint32_t i = 0; i < pairs; i++)
+    for (uint32_t i = 0; i < pairs; ++i)
         if (open[i]) open[norma_core_set_of(sets, i)] = 1;
-    for (uint32_t i = 0; i < pairs; i++) open[i] = open[norma_core_set_of(sets, i)];
+    for (uint32_t i = 0; i < pairs; ++i) open[i] = open[norma_core_set_of(sets, i)];
 }
 
 static norma_result find_sheets(
@@ -114,7 +114,7 @@ norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size
     check_hits sheets = {0}, solids = {0};
     uint8_t *open = norma_core_allocate(&m->run->call, count, 1);
     norma_result result = open ? find_sheets(m, faces, count, open) : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; !result && i < count; i++)
+    for (size_t i = 0; !result && i < count; ++i)
         norma_check_hit(m->run, open[i] ? &sheets : &solids, 0, norma_check_face((size_t)faces[i]));
     if (!result) result = add_back_to_back(m, &sheets, &solids);
     norma_check_hits_free(&sheets);

@@ -10,9 +10,9 @@
 
 norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, size_t first) {
     check_hits hits = {0};
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
-             c++)
+             ++c)
             if (topology->partners[first + c] == CORE_EDGE_OPEN)
                 norma_check_hit(
                     m->run, &hits, 0, (check_spot){norma_core_corner(&m->mesh, c), f, SIZE_MAX});
@@ -76,9 +76,9 @@ static void keep_conflict(conflict_list *list, uint32_t first, uint32_t second) 
 /* Back-to-back faces explain an edge where no more than two faces are left without them. */
 static int twins_explain(const core_topology *t, const core_edge_run *runs, size_t count) {
     size_t paired = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         size_t alike = 0, against = 0, before = 0;
-        for (size_t k = 0; k < count; k++) {
+        for (size_t k = 0; k < count; ++k) {
             const size_t same = runs[k].out == runs[i].out && runs[k].key == runs[i].key;
             alike += same;
             before += k < i && same;
@@ -98,11 +98,11 @@ enum { MOST_RUNS = 256 }; /* an edge of more faces is not looked at for twins */
 static size_t gather_faces(
     const check_mesh *m, const core_edge_run *runs, size_t count, core_edge_run *directed) {
     size_t kept = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (norma_check_directed(
                 &m->faces[norma_core_topology_face(&m->topology, runs[i].corner)])) {
             if (kept < MOST_RUNS) directed[kept] = runs[i];
-            kept++;
+            ++kept;
         }
     return kept;
 }
@@ -132,7 +132,7 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
     const edge_pass *pass = context;
     edge_part *part = &pass->parts[block];
     size_t ways[2] = {0, 0};
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (ways[twins[i].way]++) {
             norma_check_hit(
                 pass->m->run, &part->duplicates, (double)count, norma_check_face(twins[i].face));
@@ -140,10 +140,10 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
         }
     size_t pairs = ways[0] < ways[1] ? ways[0] : ways[1], told = 0;
     if (!norma_check_directed(&pass->m->faces[twins[0].face])) return; /* nor have its twins */
-    for (size_t i = 0; i < count && told < pairs; i++)
+    for (size_t i = 0; i < count && told < pairs; ++i)
         if (twins[i].way != twins[0].way) {
             keep_conflict(&part->pairs, twins[0].face, twins[i].face);
-            told++;
+            ++told;
         }
 }
 
@@ -159,10 +159,10 @@ typedef enum conflict_kind {
 
 /* edges: of each face, at most 255. */
 static void count_conflicts(const check_mesh *m, const edge_part *part, uint8_t *edges) {
-    for (size_t i = 0; i < part->conflicts.count; i++) {
+    for (size_t i = 0; i < part->conflicts.count; ++i) {
         size_t faces[2] = {norma_core_topology_face(&m->topology, part->conflicts.each[i].first),
             norma_core_topology_face(&m->topology, part->conflicts.each[i].second)};
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < 2; ++k)
             edges[faces[k]] = (uint8_t)(edges[faces[k]] + (edges[faces[k]] < 255));
     }
 }
@@ -246,7 +246,7 @@ static norma_result check_add_conflicts(
         norma_check_count_turned(m, edges, sides, &sums[CONFLICT_TURNED].twice_area);
     const double speck = SPECK * norma_check_add_areas(m, 0);
     norma_result result = NORMA_OK;
-    for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
+    for (int kind = 0; kind < CONFLICT_KINDS; ++kind) {
         const int informs = m->on_purpose || sums[kind].twice_area < speck;
         if (!result && sums[kind].hits.count)
             result = add_conflicts_of(m, (conflict_kind)kind, turned, informs, &sums[kind].hits);
@@ -258,8 +258,8 @@ static norma_result check_add_conflicts(
 static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blocks,
     const uint8_t *edges, const uint8_t *sides) {
     conflict_sum sums[CONFLICT_KINDS] = {{.twice_area = 0}};
-    for (size_t i = 0; i < blocks; i++)
-        for (size_t k = 0; k < parts[i].conflicts.count; k++) {
+    for (size_t i = 0; i < blocks; ++i)
+        for (size_t k = 0; k < parts[i].conflicts.count; ++k) {
             const conflict *c = &parts[i].conflicts.each[k];
             add_conflict(
                 m, &m->topology, c->first, c->second, sides, conflict_spot(m, c, edges), sums);
@@ -274,7 +274,7 @@ static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t 
     norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(edges, 0, faces);
-        for (size_t i = 0; i < blocks; i++) count_conflicts(m, &parts[i], edges);
+        for (size_t i = 0; i < blocks; ++i) count_conflicts(m, &parts[i], edges);
         result = norma_check_sides(m, edges, sides);
     }
     if (!result) result = add_judged(m, parts, blocks, edges, sides);
@@ -325,8 +325,8 @@ static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice
 static norma_result add_pairs(check_mesh *m, const edge_part *parts, size_t blocks, size_t count) {
     uint32_t *faces = norma_core_allocate(&m->run->call, count, sizeof *faces), *at = faces;
     if (!faces) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < blocks; i++)
-        for (size_t k = 0; k < parts[i].pairs.count; k++) *at++ = parts[i].pairs.each[k].second;
+    for (size_t i = 0; i < blocks; ++i)
+        for (size_t k = 0; k < parts[i].pairs.count; ++k) *at++ = parts[i].pairs.each[k].second;
     const norma_result result = norma_check_back_to_back(m, faces, count);
     norma_core_release(&m->run->call, faces, count, sizeof *faces);
     return result;
@@ -336,7 +336,7 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
     edge_part sum = {.duplicate_area = 0};
     size_t conflicts = 0, pairs = 0;
     int failed = 0;
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         norma_check_hits_merge(m->run, &sum.many, &parts[i].many);
         norma_check_hits_merge(m->run, &sum.bow_ties, &parts[i].bow_ties);
         norma_check_hits_merge(m->run, &sum.duplicates, &parts[i].duplicates);
@@ -363,7 +363,7 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
 /* ---- all */
 
 static void free_parts(const check_mesh *m, edge_part *parts, size_t blocks) {
-    for (size_t i = 0; parts && i < blocks; i++) {
+    for (size_t i = 0; parts && i < blocks; ++i) {
         free(parts[i].conflicts.each);
         free(parts[i].pairs.each);
         norma_check_hits_free(&parts[i].many);
@@ -402,7 +402,7 @@ static size_t other_face(const core_topology *t, size_t corner) {
 
 int norma_check_count_conflicts(const core_topology *t, uint8_t *edges) {
     int any = 0;
-    for (size_t c = 0; c < t->mesh.corner_count; c++) {
+    for (size_t c = 0; c < t->mesh.corner_count; ++c) {
         const size_t face = norma_core_topology_face(t, c);
         if (t->partners[c] != CORE_EDGE_CONFLICT) continue;
         edges[face] = (uint8_t)(edges[face] + (edges[face] < 255));
@@ -424,7 +424,7 @@ norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *t,
     size_t first_corner, const uint8_t *edges, const uint8_t *sides) {
     conflict_sum sums[CONFLICT_KINDS] = {{.twice_area = 0}};
     const size_t first = first_corner / 3;
-    for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; c++)
+    for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; ++c)
         if (t->partners[c] == CORE_EDGE_CONFLICT && is_told_here(t, c, edges, sides))
             add_conflict(m, t, c, t->others[c], sides,
                 (check_spot){

@@ -31,7 +31,7 @@ static double check_greatest_cosine(const check_mesh *m, size_t face, size_t *fa
     double greatest = -2;
     int whole = 1;
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
-         c++) {
+         ++c) {
         const size_t number = norma_check_normal_of(m, face, c);
         const double cosine = norma_check_cosine_to(m, face, number);
         if (cosine < FAR_COSINE) {
@@ -48,13 +48,13 @@ static void judge_opposed(void *context, size_t block, size_t begin, size_t end)
     const facing_pass *pass = context;
     const check_mesh *m = pass->m;
     facing_part *part = &pass->parts[block];
-    for (size_t f = begin; f < end; f++) {
+    for (size_t f = begin; f < end; ++f) {
         m->opposed[f] = 0;
         if (!norma_check_directed(&m->faces[f]) || norma_check_is_sliver(&m->faces[f])) continue;
         const double greatest = check_greatest_cosine(m, f, &part->far);
         if (!(greatest < -pass->across) || greatest < -1.5) continue;
         m->opposed[f] = 1;
-        part->opposed++;
+        ++part->opposed;
         part->opposed_area += norma_check_twice_area(m, f);
     }
 }
@@ -77,7 +77,7 @@ static norma_result check_opposed(check_mesh *m) {
         result = norma_check_blocks(
             &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass);
     }
-    for (size_t i = 0; !result && i < blocks; i++) {
+    for (size_t i = 0; !result && i < blocks; ++i) {
         m->opposed_count += pass.parts[i].opposed;
         m->opposed_area += pass.parts[i].opposed_area;
         m->far_count += pass.parts[i].far;
@@ -104,7 +104,7 @@ static int same(const double a[3], const double b[3]) {
 /* The one that more than half of them are, if there is one (Boyer and Moore 1981). */
 static void find_majority(const check_mesh *m, double majority[3]) {
     size_t count = norma_check_normal_count(m), lead = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double n[3];
         if (!is_used(m, i)) continue;
         norma_check_normal(m, i, n);
@@ -116,7 +116,7 @@ static void find_majority(const check_mesh *m, double majority[3]) {
 static size_t count_alike_normals(const check_mesh *m, const double normal[3], size_t *used) {
     size_t count = norma_check_normal_count(m), alike = 0;
     *used = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double n[3];
         if (!is_used(m, i)) continue;
         norma_check_normal(m, i, n);
@@ -131,12 +131,12 @@ static size_t count_alike_normals(const check_mesh *m, const double normal[3], s
 static int is_curved(const check_mesh *m) {
     enum { TRIES = 16 };
     size_t directed = 0, best = 0, faces = m->mesh.face_count;
-    for (size_t f = 0; f < faces; f++) directed += norma_check_directed(&m->faces[f]) != 0;
-    for (size_t i = 0; i < TRIES && i < faces; i++) {
+    for (size_t f = 0; f < faces; ++f) directed += norma_check_directed(&m->faces[f]) != 0;
+    for (size_t i = 0; i < TRIES && i < faces; ++i) {
         size_t try = i * (faces / (faces < TRIES ? faces : TRIES)), alike = 0;
         const double n[3] = {(double)m->faces[try].normal[0], (double)m->faces[try].normal[1],
             (double)m->faces[try].normal[2]};
-        for (size_t f = 0; f < faces; f++)
+        for (size_t f = 0; f < faces; ++f)
             alike += fabs(norma_check_dot(m->faces[f].normal, n)) > FLAT_COSINE;
         best = alike > best ? alike : best;
     }
@@ -210,7 +210,7 @@ static void describe_deviation(
 /* Normals that corners use: each vertex, each vn. */
 static size_t count_normals(const check_mesh *m) {
     size_t count = norma_check_normal_count(m), used = 0;
-    for (size_t i = 0; i < count && m->users; i++) used += m->users[i] != UINT32_MAX;
+    for (size_t i = 0; i < count && m->users; ++i) used += m->users[i] != UINT32_MAX;
     return m->users ? used : count;
 }
 
@@ -263,7 +263,7 @@ static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
     double right = 0;
     uint8_t *sides = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
     result = sides ? norma_check_sides(m, m->opposed, sides) : NORMA_ERROR_MEMORY;
-    for (size_t f = 0; !result && f < m->mesh.face_count; f++)
+    for (size_t f = 0; !result && f < m->mesh.face_count; ++f)
         if (m->opposed[f] && !(sides[f] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)))
             right += norma_check_twice_area(m, f);
     *in_doubt = !(right > 0.99 * m->opposed_area);
@@ -400,10 +400,10 @@ static int says_something(const check_mesh *m, size_t face) {
 
 /* Against the faces of its own vertices, of those that are far from one of them. */
 static void find_nearest(const check_mesh *m, far_state *state) {
-    for (size_t i = 0; i < norma_check_normal_count(m); i++) state->greatest[i] = 2;
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
+    for (size_t i = 0; i < norma_check_normal_count(m); ++i) state->greatest[i] = 2;
+    for (size_t f = 0; f < m->mesh.face_count; ++f) {
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
-             c++) {
+             ++c) {
             const size_t number = norma_check_normal_of(m, f, c);
             if (number == SIZE_MAX || !m->far[number] || !says_something(m, f)) continue;
             const double cosine = norma_check_cosine_to(m, f, number);
@@ -451,13 +451,13 @@ static void sum_star(star *s) {
     const check_mesh *m = s->m;
     memset(s->averages, 0, sizeof s->averages);
     s->open = s->opposed = 0;
-    for (size_t i = 0; i < s->count; i++) {
+    for (size_t i = 0; i < s->count; ++i) {
         const size_t face = norma_check_face_of(m, s->corners[i]);
         if (!says_something(m, face)) continue;
         const double weights[3] = {
             1, norma_check_twice_area(m, face), angle_at(m, face, s->corners[i])};
-        for (int w = 0; w < 6; w++)
-            for (int k = 0; k < 3; k++)
+        for (int w = 0; w < 6; ++w)
+            for (int k = 0; k < 3; ++k)
                 s->averages[w][k] += (w > 2 && m->opposed[face] ? -1 : 1) * weights[w % 3] *
                                      (double)m->faces[face].normal[k];
         s->opposed += m->opposed[face] ? 1 : -1;
@@ -470,7 +470,7 @@ static int is_average(const star *s, size_t number, int turned) {
     double n[3];
     norma_check_normal(s->m, number, n);
     const double length = norma_core_length(n);
-    for (int w = 0; w < 6; w++) {
+    for (int w = 0; w < 6; ++w) {
         const double along = norma_core_dot(n, s->averages[w]);
         if ((turned || s->opposed > 0 ? fabs(along) : along) >
             AVERAGE_COSINE * length * norma_core_length(s->averages[w]))
@@ -480,14 +480,14 @@ static int is_average(const star *s, size_t number, int turned) {
 }
 
 static void judge_star(const star *s, far_state *state) {
-    for (size_t i = 0; i < s->count; i++) {
+    for (size_t i = 0; i < s->count; ++i) {
         const size_t own = norma_check_face_of(s->m, s->corners[i]),
                      number = norma_check_normal_of(s->m, own, s->corners[i]);
         if (!is_far(state, number)) continue;
         state->open[number] |= (uint8_t)s->open;
         if (2 * norma_check_twice_area(s->m, own) >= state->large) state->open[number] |= LARGE;
         if (is_average(s, number, state->turned)) state->greatest[number] = 2;
-        for (size_t k = 0; k < s->count && s->count <= LARGEST_STAR; k++) {
+        for (size_t k = 0; k < s->count && s->count <= LARGEST_STAR; ++k) {
             const size_t face = norma_check_face_of(s->m, s->corners[k]);
             const double cosine =
                 says_something(s->m, face) ? norma_check_cosine_to(s->m, face, number) : -2;
@@ -499,9 +499,9 @@ static void judge_star(const star *s, far_state *state) {
 /* Marks the positions at which a corner has a far normal. */
 static void mark_positions(const check_mesh *m, const far_state *state, uint8_t *marks) {
     memset(marks, 0, m->mesh.positions.count);
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
-             c++)
+             ++c)
             if (is_far(state, norma_check_normal_of(m, f, c))) marks[m->topology.corners[c]] = 1;
 }
 
@@ -511,7 +511,7 @@ static void judge_far_position(const check_mesh *m, size_t position, far_state *
         .corners = &around->corners[around->starts[position]],
         .count = around->starts[position + 1] - around->starts[position]};
     int any = 0; /* none, if all turned out to be averages at positions before */
-    for (size_t i = 0; i < s.count && !any; i++)
+    for (size_t i = 0; i < s.count && !any; ++i)
         any = is_far(
             state, norma_check_normal_of(m, norma_check_face_of(m, s.corners[i]), s.corners[i]));
     if (!any) return;
@@ -526,7 +526,7 @@ static norma_result judge_stars(check_mesh *m, far_state *state) {
     if (!result && !marks) result = NORMA_ERROR_MEMORY;
     if (!result) {
         mark_positions(m, state, marks);
-        for (size_t p = 0; p < m->topology.corners_of.position_count; p++)
+        for (size_t p = 0; p < m->topology.corners_of.position_count; ++p)
             if (marks[p]) judge_far_position(m, p, state);
     }
     norma_core_release(call, marks, m->mesh.positions.count, 1);
@@ -537,7 +537,7 @@ static norma_result judge_stars(check_mesh *m, far_state *state) {
 
 static norma_result add_far(check_mesh *m, const far_state *state, int large) {
     check_hits hits = {0};
-    for (size_t i = 0; i < norma_check_normal_count(m); i++)
+    for (size_t i = 0; i < norma_check_normal_count(m); ++i)
         if (is_far(state, i) && state->open[i] & NOT_OPPOSED &&
             ((state->open[i] & LARGE) != 0 || m->on_purpose) == large)
             norma_check_hit(m->run, &hits,
@@ -562,7 +562,7 @@ static norma_result check_far(check_mesh *m) {
     far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
         norma_core_allocate(call, count, 1), edge * edge, 0};
     size_t opposed = 0;
-    for (size_t f = 0; f < m->mesh.face_count; f++) opposed += m->opposed[f] != 0;
+    for (size_t f = 0; f < m->mesh.face_count; ++f) opposed += m->opposed[f] != 0;
     state.turned = opposed > m->mesh.face_count / 2;
     norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
@@ -590,14 +590,14 @@ static norma_result find_sides(check_mesh *m, opposed_sides *sides) {
     norma_result result =
         of_faces ? norma_check_sides(m, m->opposed, of_faces) : NORMA_ERROR_MEMORY;
     *sides = (opposed_sides){0};
-    for (size_t f = 0; !result && f < m->mesh.face_count; f++) {
+    for (size_t f = 0; !result && f < m->mesh.face_count; ++f) {
         if (!m->opposed[f]) continue;
         if (of_faces[f] & CORE_SIDE_UNDECIDED)
-            sides->undecided++;
+            ++sides->undecided;
         else if (of_faces[f] & CORE_SIDE_TURNED)
-            sides->turned++;
+            ++sides->turned;
         else
-            sides->right++;
+            ++sides->right;
     }
     norma_core_release(&m->run->call, of_faces, m->mesh.face_count, 1);
     return result;
@@ -626,7 +626,7 @@ static void describe_sides(const opposed_sides *s, char text[CHECK_MESSAGE]) {
 }
 
 static void gather_hits(check_mesh *m, check_hits *hits) {
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
+    for (size_t f = 0; f < m->mesh.face_count; ++f) {
         size_t far = 0;
         if (!m->opposed[f]) continue;
         norma_check_hit(m->run, hits,

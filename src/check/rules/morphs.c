@@ -19,13 +19,13 @@ static void moved_position(
     double delta[3];
     norma_core_position(&m->mesh, v, p);
     norma_view_read(deltas, v, delta);
-    for (int k = 0; k < 3; k++) p[k] += delta[k];
+    for (int k = 0; k < 3; ++k) p[k] += delta[k];
 }
 
 static int moves(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
     double delta[3];
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
-         c++) {
+         ++c) {
         norma_view_read(deltas, norma_core_corner(&m->mesh, c), delta);
         if (delta[0] != 0 || delta[1] != 0 || delta[2] != 0) return 1;
     }
@@ -40,7 +40,7 @@ static int moved_normal(
     moved_position(m, deltas, norma_core_corner(&m->mesh, begin), first);
     memset(before, 0, sizeof before);
     memset(normal, 0, 3 * sizeof *normal);
-    for (size_t c = begin + 1; c < end; c++) {
+    for (size_t c = begin + 1; c < end; ++c) {
         double edge[3];
         moved_position(m, deltas, norma_core_corner(&m->mesh, c), p);
         norma_core_subtract(p, first, edge);
@@ -87,7 +87,7 @@ typedef struct bend_pass {
 
 static void judge_block(void *context, size_t block, size_t begin, size_t end) {
     const bend_pass *pass = context;
-    for (size_t f = begin; f < end; f++) {
+    for (size_t f = begin; f < end; ++f) {
         double bend = bend_of_face_deg(pass->m, pass->deltas, f);
         if (bend > BENDS_DEG)
             norma_check_hit(pass->m->run, &pass->parts[block], bend, norma_check_face(f));
@@ -103,7 +103,7 @@ static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, c
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result =
         norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
-    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }
@@ -111,7 +111,7 @@ static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, c
 static norma_result judge_bends(check_mesh *m) {
     check_hits hits = {0};
     size_t targets = 0;
-    for (size_t t = 0; t < m->given->morph_count; t++) {
+    for (size_t t = 0; t < m->given->morph_count; ++t) {
         const norma_morph_data *morph = &m->given->morphs[t];
         size_t before = hits.count;
         if (morph->normals.count || morph->positions.count < m->mesh.positions.count) continue;
@@ -138,15 +138,15 @@ static norma_result judge_bends(check_mesh *m) {
 static norma_result judge_sums(check_mesh *m) {
     check_hits hits = {.least = 1};
     size_t normals = norma_check_normal_count(m);
-    for (size_t t = 0; t < m->given->morph_count; t++) {
+    for (size_t t = 0; t < m->given->morph_count; ++t) {
         const norma_vec3_view *deltas = &m->given->morphs[t].normals;
-        for (size_t v = 0; v < deltas->count && v < normals; v++) {
+        for (size_t v = 0; v < deltas->count && v < normals; ++v) {
             double n[3], delta[3];
             norma_check_normal(m, v, n);
             norma_view_read(deltas, v, delta);
             if (!(length_of(n) >= NO_LENGTH)) /* already none: N101, N102 */
                 continue;
-            for (int k = 0; k < 3; k++) n[k] += delta[k];
+            for (int k = 0; k < 3; ++k) n[k] += delta[k];
             if (length_of(n) < CANCELS)
                 norma_check_hit(m->run, &hits, length_of(n), norma_check_vertex(v));
         }
@@ -165,7 +165,7 @@ static norma_result judge_sums(check_mesh *m) {
 static norma_result judge_bases(check_mesh *m) {
     char message[CHECK_MESSAGE];
     size_t normals = 0, tangents = 0;
-    for (size_t t = 0; t < m->given->morph_count; t++) {
+    for (size_t t = 0; t < m->given->morph_count; ++t) {
         normals +=
             m->given->morphs[t].normals.count && m->given->info.normals == NORMA_NORMALS_NONE;
         tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangents &&

@@ -20,7 +20,7 @@ typedef struct node_sums { /* instances, and the worst of each kind */
 /* The largest |cosine| between two columns. */
 static double shear_of(const double m[16]) {
     double worst = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double *a = m + 4 * i, *b = m + 4 * ((i + 1) % 3);
         double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2],
                bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2],
@@ -76,7 +76,7 @@ static norma_result judge_instances(const norma_node_info *node, check_instance_
         }
         return NORMA_OK;
     }
-    for (size_t i = 0; i < node->instances && !result; i++) {
+    for (size_t i = 0; i < node->instances && !result; ++i) {
         result = world_of(context, index, i, world);
         if (!result) judge_world(world, i, 1, sums);
     }
@@ -167,7 +167,7 @@ static void label_of(const char *kind, size_t number, const char *name, char lab
 }
 
 static int has_double_sided(const norma_check_scene *scene, size_t mesh) {
-    for (size_t i = 0; i < scene->mesh_count; i++)
+    for (size_t i = 0; i < scene->mesh_count; ++i)
         if (scene->meshes[i].info.mesh == mesh && scene->meshes[i].material.double_sided) return 1;
     return 0;
 }
@@ -180,7 +180,7 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     node_sums sums = {0};
     j.place = (check_place){
         .order = run->next_order++, .where = node->where ? node->where : "", .label = label};
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++) j.rules[i] = run->rules[i];
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) j.rules[i] = run->rules[i];
     norma_check_silence(j.rules, node->ignore);
     if (node->skin != SIZE_MAX ||
         !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
@@ -217,7 +217,7 @@ static norma_result judge_skin(
     check_run *run, const norma_check_scene *scene, const norma_skin_info *skin, size_t number) {
     char label[CHECK_MESSAGE], message[CHECK_MESSAGE], measured[CHECK_MESSAGE] = "";
     node_judgement j = {.run = run};
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++) j.rules[i] = run->rules[i];
+    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) j.rules[i] = run->rules[i];
     norma_check_silence(j.rules, skin->ignore);
     j.place = (check_place){
         .order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
@@ -234,9 +234,9 @@ static norma_result judge_skin(
 norma_result norma_check_nodes(
     check_run *run, const norma_check_scene *scene, check_instance_world *world_of, void *context) {
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < scene->node_count && !result; i++)
+    for (size_t i = 0; i < scene->node_count && !result; ++i)
         result = judge_node(run, scene, i, world_of, context);
-    for (size_t i = 0; i < scene->skin_count && !result; i++)
+    for (size_t i = 0; i < scene->skin_count && !result; ++i)
         result = judge_skin(run, scene, &scene->skins[i], i);
     return result;
 }

@@ -12,7 +12,7 @@
 
 static int are_all_placed(const core_mesh *mesh) {
     double sum = 0, p[3];
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
         norma_core_position(mesh, (uint32_t)i, p);
         sum += (p[0] - p[0]) + (p[1] - p[1]) + (p[2] - p[2]); /* 0 each, or NaN */
     }
@@ -22,7 +22,7 @@ static int are_all_placed(const core_mesh *mesh) {
 static int is_placed(const core_mesh *mesh, size_t face) {
     double p[3];
     int finite = 1;
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         finite &= norma_core_finite(p) != 0;
     }
@@ -31,7 +31,7 @@ static int is_placed(const core_mesh *mesh, size_t face) {
 
 void norma_check_unplaced_look(const check_mesh *m, check_hits *sum) {
     if (are_all_placed(&m->mesh)) return;
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         if (!is_placed(&m->mesh, f)) norma_check_hit(m->run, sum, 0, norma_check_face(f));
 }
 
@@ -87,7 +87,7 @@ static uint64_t hash_of_cell(const int64_t cell[3]) {
 /* Coordinates in a cell are not negative, so cutting off is rounding down; a cell before the first
  * one is asked for by its number. */
 static void cell_of(const grid *g, const double p[3], int64_t cell[3]) {
-    for (int k = 0; k < 3; k++) cell[k] = (int64_t)((p[k] - g->low[k]) / g->cell);
+    for (int k = 0; k < 3; ++k) cell[k] = (int64_t)((p[k] - g->low[k]) / g->cell);
 }
 
 #define EMPTY UINT64_MAX
@@ -127,7 +127,7 @@ static void add_position(grid *g, uint32_t position, uint64_t hash) {
 
 /* Which cells along an axis lie within a step: from -1, 0 to 0, 1. */
 static void reach(const grid *g, const double p[3], const int64_t cell[3], int from[3], int to[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double in_cell = p[k] - g->low[k] - (double)cell[k] * g->cell;
         from[k] = in_cell < 1.01 * g->step ? -1 : 0;
         to[k] = in_cell > g->cell - 1.01 * g->step ? 1 : 0;
@@ -137,7 +137,7 @@ static void reach(const grid *g, const double p[3], const int64_t cell[3], int f
 static int is_at_side(const grid *g, const double p[3], const int64_t cell[3]) {
     int from[3], to[3], any = 0;
     reach(g, p, cell, from, to);
-    for (int k = 0; k < 3; k++) any |= from[k] != to[k];
+    for (int k = 0; k < 3; ++k) any |= from[k] != to[k];
     return any;
 }
 
@@ -146,7 +146,7 @@ static void add_some(grid *g, size_t begin, size_t end) {
     uint32_t which[AT_ONCE];
     uint64_t hashes[AT_ONCE];
     size_t count = 0;
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         double p[3];
         int64_t cell[3];
         if (use_of(g, i) == POSITION_UNUSED) continue;
@@ -156,9 +156,9 @@ static void add_some(grid *g, size_t begin, size_t end) {
         which[count] = (uint32_t)i;
         hashes[count] = hash_of_cell(cell);
         __builtin_prefetch((const void *)&g->slots[(size_t)hashes[count] & g->mask]);
-        count++;
+        ++count;
     }
-    for (size_t i = 0; i < count; i++) add_position(g, which[i], hashes[i]);
+    for (size_t i = 0; i < count; ++i) add_position(g, which[i], hashes[i]);
 }
 
 static void add_positions(void *context, size_t block, size_t begin, size_t end) {
@@ -191,9 +191,9 @@ static int is_near(const grid *g, size_t self) {
     norma_core_position(&g->m->mesh, (uint32_t)self, p);
     cell_of(g, p, cell);
     reach(g, p, cell, from, to);
-    for (int x = from[0]; x <= to[0]; x++)
-        for (int y = from[1]; y <= to[1]; y++)
-            for (int z = from[2]; z <= to[2]; z++) {
+    for (int x = from[0]; x <= to[0]; ++x)
+        for (int y = from[1]; y <= to[1]; ++y)
+            for (int z = from[2]; z <= to[2]; ++z) {
                 const int64_t there[3] = {cell[0] + x, cell[1] + y, cell[2] + z};
                 if (is_near_in(g, there, self, p)) return 1;
             }
@@ -202,7 +202,7 @@ static int is_near(const grid *g, size_t self) {
 
 static void judge_cells(void *context, size_t block, size_t begin, size_t end) {
     grid *g = context;
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end; ++i)
         if (use_of(g, i) == POSITION_TO_JUDGE && is_near(g, i))
             norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(i));
 }
@@ -215,13 +215,13 @@ static size_t find_used(grid *g, double high[3]) {
     const core_mesh *mesh = &g->m->mesh;
     size_t count = 0;
     memset((void *)g->use, POSITION_UNUSED, mesh->positions.count);
-    for (size_t c = 0; c < mesh->corner_count; c++)
+    for (size_t c = 0; c < mesh->corner_count; ++c)
         set_use(g, g->m->topology.corners[c], POSITION_ALONE);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         g->low[k] = INFINITY;
         high[k] = -INFINITY;
     }
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
         if (use_of(g, i) == POSITION_UNUSED) continue;
         norma_core_position(mesh, (uint32_t)i, p);
@@ -229,8 +229,8 @@ static size_t find_used(grid *g, double high[3]) {
             set_use(g, i, POSITION_UNUSED);
             continue;
         }
-        count++;
-        for (int k = 0; k < 3; k++) {
+        ++count;
+        for (int k = 0; k < 3; ++k) {
             g->low[k] = p[k] < g->low[k] ? p[k] : g->low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
@@ -265,7 +265,7 @@ static norma_result search(check_mesh *m, grid *g, size_t blocks) {
     if (!result)
         result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_cells, g);
     check_hits hits = {0};
-    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
+    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
     if (!result && hits.count) return add_coincident(m, &hits, g->step);
     norma_check_hits_free(&hits);
     return result;
@@ -287,10 +287,10 @@ norma_result norma_check_coincident(check_mesh *m) {
         double high[3], square = 0;
         memset(g.parts, 0, blocks * sizeof *g.parts);
         const size_t used = find_used(&g, high);
-        for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
+        for (int k = 0; k < 3; ++k) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
         g.step = ALMOST_EQUAL * sqrt(square);
         g.cell = CELL_STEPS * g.step;
-        for (int k = 0; k < 3; k++) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
+        for (int k = 0; k < 3; ++k) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
         if (g.step > 0 && g.step < INFINITY) result = open_slots(&g, used);
         if (g.slots && !result) result = search(m, &g, blocks);
     }
@@ -318,11 +318,11 @@ typedef struct edge_pass {
 } edge_pass;
 
 void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest *largest) {
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
         double most = fabs(p[0]);
-        for (int k = 1; k < 3; k++) most = fabs(p[k]) > most ? fabs(p[k]) : most;
+        for (int k = 1; k < 3; ++k) most = fabs(p[k]) > most ? fabs(p[k]) : most;
         if (most > largest->coordinate && norma_core_finite(p))
             *largest = (check_largest){most, first + i};
     }
@@ -363,12 +363,12 @@ static void sort_edges_of_face(const edge_pass *pass, size_t face, size_t *count
     double before[3], p[3], edge[3];
     uint32_t last = t->corners[end - 1];
     norma_core_position(&t->mesh, last, before);
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t position = t->corners[c];
         norma_core_position(&t->mesh, position, p);
         norma_core_subtract(p, before, edge);
         const double square = norma_core_dot(edge, edge);
-        if (position != last && square >= 0) counts[interval_of(pass, square)]++;
+        if (position != last && square >= 0) ++counts[interval_of(pass, square)];
         memcpy(before, p, sizeof before);
         last = position;
     }
@@ -378,7 +378,7 @@ static void sort_edges(void *context, size_t block, size_t begin, size_t end) {
     edge_pass *pass = context;
     size_t *counts = &pass->parts[block * (pass->count + 1)];
     if (atomic_load_explicit(&pass->beyond, memory_order_relaxed) > pass->enough) return;
-    for (size_t f = begin; f < end; f++) sort_edges_of_face(pass, f, counts);
+    for (size_t f = begin; f < end; ++f) sort_edges_of_face(pass, f, counts);
     atomic_fetch_add_explicit(&pass->beyond, counts[pass->count], memory_order_relaxed);
 }
 
@@ -395,7 +395,7 @@ norma_result norma_check_sort_edges(
     memset(pass.parts, 0, numbers * sizeof *pass.parts);
     norma_result result =
         norma_check_blocks(&m->run->call, m->mesh.face_count, CORNERS_IN_BLOCK, sort_edges, &pass);
-    for (size_t i = 0; i < numbers; i++) counts[i % (count + 1)] += pass.parts[i];
+    for (size_t i = 0; i < numbers; ++i) counts[i % (count + 1)] += pass.parts[i];
     norma_core_release(&m->run->call, pass.parts, numbers, sizeof *pass.parts);
     return result;
 }
@@ -406,7 +406,7 @@ norma_result norma_check_median_edge(
     double high, check_ask_shorter *ask, void *context, double *median) {
     double low = 0;
     norma_result result = NORMA_OK;
-    for (int i = 0; i < 40 && high - low > 1e-3 * high && !result; i++) {
+    for (int i = 0; i < 40 && high - low > 1e-3 * high && !result; ++i) {
         size_t shorter = 0, all = 0;
         result = ask(context, low, high, &shorter, &all);
         const double middle = low + (high - low) / 2;
@@ -480,7 +480,7 @@ static norma_result count_used(check_mesh *m, size_t *used, size_t *places) {
     if (!seen) return NORMA_ERROR_MEMORY;
     memset(seen, 0, count);
     *used = *places = 0;
-    for (size_t c = 0; c < m->mesh.corner_count; c++) {
+    for (size_t c = 0; c < m->mesh.corner_count; ++c) {
         uint32_t vertex = norma_core_corner(&m->mesh, c), place = m->topology.corners[c];
         *used += !(seen[vertex] & 1);
         seen[vertex] |= 1;

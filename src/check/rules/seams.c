@@ -38,12 +38,12 @@ static int is_same_vertex(const seam_vertex *a, const seam_vertex *b) {
 static size_t list_vertices(
     const check_mesh *m, const uint32_t *corners, size_t count, seam_vertex *vertices) {
     size_t distinct = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         seam_vertex v = vertex_of(m, corners[i]);
         size_t k = 0;
-        while (k < distinct && !is_same_vertex(&vertices[k], &v)) k++;
+        while (k < distinct && !is_same_vertex(&vertices[k], &v)) ++k;
         if (k < distinct)
-            vertices[k].faces++;
+            ++vertices[k].faces;
         else
             vertices[distinct++] = v;
     }
@@ -79,8 +79,8 @@ static double seam_angle_between(const check_mesh *m, size_t first, size_t secon
 
 static double widest_seam(const check_mesh *m, const seam_vertex *vertices, size_t count) {
     double widest = 0;
-    for (size_t i = 0; i < count; i++)
-        for (size_t k = i + 1; k < count && vertices[i].faces > 1; k++)
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = i + 1; k < count && vertices[i].faces > 1; ++k)
             if (vertices[k].faces > 1 && differ(m, &vertices[i], &vertices[k]))
                 widest =
                     fmax(widest, seam_angle_between(m, vertices[i].normal, vertices[k].normal));
@@ -109,7 +109,7 @@ static int edge_is_smooth(const check_mesh *m, size_t corner) {
  */
 static int surface_is_smooth(const check_mesh *m, const uint32_t *corners, size_t count) {
     const core_topology *t = &m->topology;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         size_t face = norma_core_topology_face(t, corners[i]);
         if (t->partners[corners[i]] == CORE_EDGE_NONE) continue;
         if (!edge_is_smooth(m, corners[i]) ||
@@ -173,7 +173,7 @@ static int edge_is_flat(const check_mesh *m, size_t corner, double least) {
 static void check_seam_creases(const check_mesh *m, double least, seam_creases *creases) {
     const core_topology *t = &m->topology;
     *creases = (seam_creases){{0}, {0}, {0}};
-    for (size_t c = 0; c < t->mesh.corner_count; c++) {
+    for (size_t c = 0; c < t->mesh.corner_count; ++c) {
         const uint32_t partner = t->partners[c];
         if (partner >= CORE_EDGE_SPECIAL || partner < c || !norma_check_directed(face_at(m, c)) ||
             !norma_check_directed(face_at(m, partner)))
@@ -187,7 +187,7 @@ static void check_seam_creases(const check_mesh *m, double least, seam_creases *
         const size_t split = begin.split || end.split;
         creases->smooth[(size_t)bend] += !split;
         if (bend < least * (180 / NORMA_PI)) continue; /* even flat shading parts nothing there */
-        creases->all[(size_t)bend]++;
+        ++creases->all[(size_t)bend];
         creases->split[(size_t)bend] += split;
     }
 }
@@ -195,7 +195,7 @@ static void check_seam_creases(const check_mesh *m, double least, seam_creases *
 /* The most that an edge at the position bends along which a seam runs. */
 static double seam_bend(const check_mesh *m, const uint32_t *corners, size_t count, double least) {
     double most = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (m->topology.partners[corners[i]] >= CORE_EDGE_SPECIAL) continue;
         const edge_end end = end_of(m, corners[i], corner_across(m, corners[i]), least);
         if (end.seam && end.split)
@@ -215,7 +215,7 @@ static seam_kind judge_seam(const seam_creases *creases, double bend) {
     enum { AROUND = 5, ENOUGH = 5 };
     const size_t middle = (size_t)bend, from = middle > AROUND ? middle - AROUND : 0;
     size_t all = 0, split = 0, smooth = 0;
-    for (size_t i = from; i <= middle + AROUND && i < SEAM_BENDS; i++) {
+    for (size_t i = from; i <= middle + AROUND && i < SEAM_BENDS; ++i) {
         all += creases->all[i];
         split += creases->split[i];
         smooth += creases->smooth[i];
@@ -312,7 +312,7 @@ static norma_result check_seams_hold(check_mesh *m) {
 /* ---- the whole */
 
 static int has_all(const check_run *run, int colors) {
-    for (size_t i = 0; i < run->member_count; i++) {
+    for (size_t i = 0; i < run->member_count; ++i) {
         const norma_mesh_attributes *a = &run->members[i].given->attributes;
         if (colors ? !a->colors
                    : !a->texcoords || a->texcoord_count < run->members[i].mesh.positions.count)
@@ -356,7 +356,7 @@ static void copy_member(joined *j, size_t number, size_t corner) {
     const check_member *member = &j->run->members[number];
     const norma_mesh_attributes *a = &member->given->attributes;
     size_t begin = member->begin, count = member->mesh.positions.count;
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         norma_view_read(&member->mesh.positions, v, &j->positions[3 * (begin + v)]);
         norma_view_read(&member->given->data.normals, v, &j->normals[3 * (begin + v)]);
         j->members[begin + v] = (uint32_t)number;
@@ -364,16 +364,16 @@ static void copy_member(joined *j, size_t number, size_t corner) {
     if (j->texcoords && count)
         memcpy(&j->texcoords[2 * begin], a->texcoords, 2 * count * sizeof *j->texcoords);
     if (j->colors && count) memcpy(&j->colors[4 * begin], a->colors, 4 * count * sizeof *j->colors);
-    for (size_t c = 0; c < member->mesh.corner_count; c++)
+    for (size_t c = 0; c < member->mesh.corner_count; ++c)
         j->corners[corner + c] = (uint32_t)begin + norma_core_corner(&member->mesh, c);
-    for (size_t f = 0; f < member->mesh.face_count; f++)
+    for (size_t f = 0; f < member->mesh.face_count; ++f)
         j->materials[corner / 3 + f] =
             a->material < UINT32_MAX ? (uint32_t)a->material : UINT32_MAX;
 }
 
 static norma_result fill_joined(joined *j) {
     size_t corner = 0;
-    for (size_t i = 0; i < j->run->member_count; i++) {
+    for (size_t i = 0; i < j->run->member_count; ++i) {
         copy_member(j, i, corner);
         corner += j->run->members[i].mesh.corner_count;
     }
@@ -398,11 +398,11 @@ static void judge_joined_positions(void *context, size_t block, size_t begin, si
     joined *j = context;
     const core_corners_of_position *around = &j->m.topology.corners_of;
     (void)block;
-    for (size_t p = begin; p < end; p++) {
+    for (size_t p = begin; p < end; ++p) {
         double angle = check_seam_angle(&j->m, p, j->least, j->creases);
         if (angle == 0) continue;
         size_t spot = 0, first = SIZE_MAX;
-        for (size_t i = around->starts[p]; i < around->starts[p + 1]; i++) {
+        for (size_t i = around->starts[p]; i < around->starts[p + 1]; ++i) {
             size_t v = norma_core_corner(&j->m.mesh, around->corners[i]);
             first = v < first ? v : first;
             if (i == around->starts[p] || j->members[v] > j->members[spot] ||
@@ -418,7 +418,7 @@ static norma_result add_member(joined *j, size_t number) {
     check_mesh m = {.run = j->run, .given = member->given, .mesh = member->mesh};
     seam_hits hits = {{0}, {0}};
     char label[CHECK_MESSAGE];
-    for (size_t v = 0; v < member->mesh.positions.count; v++)
+    for (size_t v = 0; v < member->mesh.positions.count; ++v)
         hit_seam(j->run, &hits, j->angles[member->begin + v], v);
     norma_check_label(&member->given->info, label);
     m.place = (check_place){.order = member->order,
@@ -434,7 +434,7 @@ static norma_result judge_all(joined *j) {
 }
 
 static int has_any(const joined *j) {
-    for (size_t v = 0; v < j->vertices; v++)
+    for (size_t v = 0; v < j->vertices; ++v)
         if (j->angles[v] != 0) return 1;
     return 0;
 }
@@ -450,13 +450,13 @@ static norma_result judge_joined(joined *j) {
         j->creases = &creases;
         result = judge_all(j);
     }
-    for (size_t i = 0; i < j->run->member_count && !result; i++) result = add_member(j, i);
+    for (size_t i = 0; i < j->run->member_count && !result; ++i) result = add_member(j, i);
     return result;
 }
 
 norma_result norma_check_seams_joined(check_run *run) {
     joined j = {.run = run};
-    for (size_t i = 0; i < run->member_count; i++) {
+    for (size_t i = 0; i < run->member_count; ++i) {
         check_member *member = &run->members[i];
         member->begin = j.vertices;
         if (member->mesh.positions.count >= UINT32_MAX - 1 - j.vertices ||
@@ -490,7 +490,7 @@ typedef struct seam_pass {
 static void judge_seam_positions(void *context, size_t block, size_t begin, size_t end) {
     const seam_pass *pass = context;
     const check_mesh *m = pass->m;
-    for (size_t p = begin; p < end; p++) {
+    for (size_t p = begin; p < end; ++p) {
         const double angle = check_seam_angle(m, p, pass->least, pass->creases);
         hit_seam(m->run, &pass->parts[block], angle, p);
     }
@@ -515,7 +515,7 @@ static norma_result gather_seams(
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     const norma_result result =
         norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         norma_check_hits_merge(m->run, &hits->shown, &pass.parts[i].shown);
         norma_check_hits_merge(m->run, &hits->open, &pass.parts[i].open);
     }

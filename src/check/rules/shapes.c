@@ -39,7 +39,7 @@ static double least_angle(const core_topology *t, size_t face) {
     norma_core_position(
         &t->mesh, t->corners[norma_core_previous_kept(&t->mesh, face, last)], before);
     norma_core_position(&t->mesh, t->corners[last], here);
-    for (size_t c = begin; c < norma_core_face_end(&t->mesh, face); c++) {
+    for (size_t c = begin; c < norma_core_face_end(&t->mesh, face); ++c) {
         if (!norma_core_is_kept(&t->mesh, face, c)) continue;
         norma_core_position(&t->mesh, t->corners[c], after);
         least = fmin(least, corner_angle(before, here, after));
@@ -74,7 +74,7 @@ static void judge_shape(const shape_pass *pass, check_shapes *part, size_t face)
 static void judge_shapes(void *context, size_t block, size_t begin, size_t end) {
     const shape_pass *pass = context;
     pass->parts[block].degenerate.least = pass->parts[block].slivers.least = 1;
-    for (size_t f = begin; f < end; f++) judge_shape(pass, &pass->parts[block], f);
+    for (size_t f = begin; f < end; ++f) judge_shape(pass, &pass->parts[block], f);
 }
 
 static norma_result add_findings(check_mesh *m, check_shapes *sum) {
@@ -122,7 +122,7 @@ norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result =
         norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         norma_check_hits_merge(m->run, &sum->degenerate, &pass.parts[i].degenerate);
         norma_check_hits_merge(m->run, &sum->slivers, &pass.parts[i].slivers);
     }
@@ -156,12 +156,12 @@ typedef struct cancel_pass {
 
 static int all_in_front(const check_mesh *m, const uint32_t *corners, size_t count) {
     double sum[3] = {0}, least = 1;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const float *n = m->faces[norma_core_topology_face(&m->topology, corners[i])].normal;
-        for (int k = 0; k < 3; k++) sum[k] += (double)n[k];
+        for (int k = 0; k < 3; ++k) sum[k] += (double)n[k];
     }
     double length = sqrt(norma_core_dot(sum, sum));
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const check_face *face = &m->faces[norma_core_topology_face(&m->topology, corners[i])];
         if (!norma_check_directed(face)) continue;
         const double cosine = norma_check_dot(face->normal, sum);
@@ -180,14 +180,14 @@ static void measure_cancelled_face(const check_mesh *m, size_t face, core_face *
         return;
     }
     *geometry = (core_face){.flags = CORE_FACE_DIRECTED};
-    for (int k = 0; k < 3; k++) geometry->normal[k] = (double)m->faces[face].normal[k];
+    for (int k = 0; k < 3; ++k) geometry->normal[k] = (double)m->faces[face].normal[k];
 }
 
 /* ‖Σ w n‖ / Σ w over the corners of one vertex, by angle; 1 where no face has a direction. */
 static double strength(const check_mesh *m, const member *members, size_t count) {
     const core_mesh *mesh = &m->topology.mesh;
     double sum[3] = {0}, weights = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         size_t face = norma_core_topology_face(&m->topology, members[i].corner);
         core_face geometry;
         if (!norma_check_directed(&m->faces[face]) ||
@@ -196,7 +196,7 @@ static double strength(const check_mesh *m, const member *members, size_t count)
         measure_cancelled_face(m, face, &geometry);
         double weight =
             norma_core_corner_weight(mesh, NORMA_WEIGHT_ANGLE, face, &geometry, members[i].corner);
-        for (int k = 0; k < 3; k++) sum[k] += weight * geometry.normal[k];
+        for (int k = 0; k < 3; ++k) sum[k] += weight * geometry.normal[k];
         weights += weight;
     }
     return weights > 0 ? norma_core_length(sum) / weights : 1;
@@ -213,11 +213,11 @@ static void judge_position(
     double worst = 1;
     uint32_t at = 0;
     if (count < 2 || all_in_front(m, corners, count)) return;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         members[i] = (member){norma_core_corner(&m->mesh, corners[i]), corners[i]};
     norma_core_sort(members, count, sizeof *members, member_is_less);
     for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && members[end].vertex == members[begin].vertex;) end++;
+        for (end = begin + 1; end < count && members[end].vertex == members[begin].vertex;) ++end;
         double here = end - begin > 1 ? strength(m, &members[begin], end - begin) : 1;
         if (here < worst) {
             worst = here;
@@ -232,7 +232,7 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
     const core_corners_of_position *around = &pass->m->topology.corners_of;
     member members[FEW];
     pass->parts[block].least = 1;
-    for (size_t p = begin; p < end; p++) {
+    for (size_t p = begin; p < end; ++p) {
         size_t count = around->starts[p + 1] - around->starts[p];
         if (count <= FEW)
             judge_position(
@@ -245,7 +245,7 @@ static norma_result judge_large(const check_mesh *m, check_hits *hits) {
     if (around->most <= FEW) return NORMA_OK;
     member *members = norma_core_allocate(&m->run->call, around->most, sizeof *members);
     if (!members) return NORMA_ERROR_MEMORY;
-    for (size_t p = 0; p < around->position_count; p++) {
+    for (size_t p = 0; p < around->position_count; ++p) {
         size_t count = around->starts[p + 1] - around->starts[p];
         if (count > FEW)
             judge_position(m, hits, &around->corners[around->starts[p]], count, members);
@@ -280,7 +280,7 @@ norma_result norma_check_cancelled(check_mesh *m) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
     check_hits hits = {.least = 1};
-    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     if (!result) result = judge_large(m, &hits);
     if (!result && hits.count) return add_cancelled(m, &hits);
@@ -321,9 +321,9 @@ static void measure_fan(const core_mesh *mesh, size_t face, const double origin[
     const double normal[3], double centre[3], polygon_shape *shape) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double a[3] = {0}, b[3], cross[3], sum = 0, least = INFINITY, away = 0;
-    for (size_t c = begin + 1; c < end; c++) {
+    for (size_t c = begin + 1; c < end; ++c) {
         corner_from(mesh, c, origin, b);
-        for (int k = 0; k < 3; k++) centre[k] += b[k] / (double)(end - begin);
+        for (int k = 0; k < 3; ++k) centre[k] += b[k] / (double)(end - begin);
         if (c > begin + 1) {
             norma_core_cross(a, b, cross);
             const double area = norma_core_dot(cross, normal);
@@ -341,7 +341,7 @@ static void measure_fan(const core_mesh *mesh, size_t face, const double origin[
 static void measure_height(const core_mesh *mesh, size_t face, const double origin[3],
     const double normal[3], const double centre[3], polygon_shape *shape) {
     const double flat = .99 * OUT_OF_PLANE_SINE * OUT_OF_PLANE_SINE;
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         double p[3], from_centre[3];
         corner_from(mesh, c, origin, p);
         norma_core_subtract(p, centre, from_centre);
@@ -403,8 +403,8 @@ static int crosses_itself(const core_mesh *mesh, size_t face, const double norma
     view.y = drop == 2 ? 1 : 2;
     norma_core_position(mesh, norma_core_corner(mesh, view.begin), view.origin);
     if (view.count > MOST_CROSSING) return 0;
-    for (size_t i = 0; i < view.count; i++)
-        for (size_t k = i + 2; k < view.count; k++)
+    for (size_t i = 0; i < view.count; ++i)
+        for (size_t k = i + 2; k < view.count; ++k)
             if ((k + 1) % view.count != i && edges_cross(&view, i, k)) return 1;
     return 0;
 }
@@ -413,7 +413,7 @@ static int crosses_itself(const core_mesh *mesh, size_t face, const double norma
 
 static int position_is_finite(const check_mesh *m, size_t face) {
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
-         c++) {
+         ++c) {
         double p[3];
         norma_core_position(&m->mesh, norma_core_corner(&m->mesh, c), p);
         if (!norma_core_finite(p)) return 0;
@@ -426,7 +426,7 @@ static void judge_cancelled(const polygon_pass *pass, check_polygons *part, size
     const check_face *shape = &pass->m->faces[face];
     if (norma_check_is_sliver(shape) || !position_is_finite(pass->m, face)) return;
     norma_check_hit(pass->m->run, &part->folds.hits, 1, norma_check_face(face));
-    part->folds.crossing++;
+    ++part->folds.crossing;
 }
 
 static void judge_polygon(const polygon_pass *pass, check_polygons *part, size_t face) {
@@ -453,7 +453,7 @@ static void judge_polygon(const polygon_pass *pass, check_polygons *part, size_t
 
 static void judge_polygons(void *context, size_t block, size_t begin, size_t end) {
     const polygon_pass *pass = context;
-    for (size_t f = begin; f < end; f++) judge_polygon(pass, &pass->parts[block], f);
+    for (size_t f = begin; f < end; ++f) judge_polygon(pass, &pass->parts[block], f);
 }
 
 static norma_result add_folded(check_mesh *m, norma_severity severity, check_folds *f) {
@@ -514,7 +514,7 @@ norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(
         &m->run->call, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, &pass);
-    for (size_t i = 0; i < blocks; i++) add_polygon_part(m->run, sum, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; ++i) add_polygon_part(m->run, sum, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }

@@ -33,7 +33,7 @@ static norma_result open_group_judge(check_run *run) {
     if (g->judge->is_open) return result;
     core_mesh *meshes = calloc(g->count, sizeof *meshes);
     if (!meshes) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < g->count && !result; i++)
+    for (size_t i = 0; i < g->count && !result; ++i)
         result = norma_core_mesh_shape(&g->meshes[i].data.mesh, &meshes[i]);
     if (!result) result = norma_check_open_judge(meshes, g->count, run->options.threads, g->judge);
     free(meshes);
@@ -43,7 +43,7 @@ static norma_result open_group_judge(check_run *run) {
 /* Of the mesh's faces among all of the group. */
 static size_t first_face(const check_mesh *m) {
     size_t first = 0;
-    for (size_t i = 0; i < m->number; i++)
+    for (size_t i = 0; i < m->number; ++i)
         first += m->run->group->meshes[i].data.mesh.corner_count / 3;
     return first;
 }
@@ -68,7 +68,7 @@ static signed char lean_of_facet(
 static int agreement_of_facet(const core_topology *t, size_t facet, const signed char *leans) {
     int sum = 0;
     const size_t end = norma_core_face_end(&t->mesh, facet);
-    for (size_t c = norma_core_face_begin(&t->mesh, facet); c < end; c++) {
+    for (size_t c = norma_core_face_begin(&t->mesh, facet); c < end; ++c) {
         const uint32_t partner = t->partners[c];
         if (partner < CORE_EDGE_SPECIAL)
             sum += leans[facet] * leans[norma_core_topology_face(t, partner)];
@@ -98,14 +98,14 @@ norma_result norma_check_sides_by_facets(
     const core_topology *t = &j->topology;
     const size_t count = t->mesh.face_count < normals->count ? t->mesh.face_count : normals->count;
     size_t undecided = 0;
-    for (size_t f = 0; f < count; f++)
+    for (size_t f = 0; f < count; ++f)
         undecided += sides[f] & CORE_SIDE_UNDECIDED && was_asked(j, f);
     if (!undecided) return NORMA_OK;
     signed char *leans = norma_core_allocate(&j->call, t->mesh.face_count, sizeof *leans);
     if (!leans) return NORMA_ERROR_MEMORY;
     memset(leans, 0, t->mesh.face_count * sizeof *leans);
-    for (size_t f = 0; f < count; f++) leans[f] = lean_of_facet(&t->mesh, f, normals);
-    for (size_t f = 0; f < count; f++)
+    for (size_t f = 0; f < count; ++f) leans[f] = lean_of_facet(&t->mesh, f, normals);
+    for (size_t f = 0; f < count; ++f)
         if (sides[f] & CORE_SIDE_UNDECIDED && was_asked(j, f))
             sides[f] = side_by_facets(t, f, leans, sides[f]);
     norma_core_release(&j->call, leans, t->mesh.face_count, sizeof *leans);
@@ -131,9 +131,9 @@ static int is_plain_piece(const core_side_judge *j, uint32_t piece) {
     const size_t begin = j->pieces.starts[piece], end = j->pieces.starts[piece + 1];
     const uint32_t *part = j->parts.starts + j->parts.of[j->pieces.faces[begin]];
     if (2 * (end - begin) > part[1] - (size_t)part[0]) return 1;
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end; ++i)
         for (size_t c = norma_core_face_begin(&t->mesh, j->pieces.faces[i]);
-             c < norma_core_face_end(&t->mesh, j->pieces.faces[i]); c++)
+             c < norma_core_face_end(&t->mesh, j->pieces.faces[i]); ++c)
             if (t->partners[c] == CORE_EDGE_CONFLICT && !norma_check_is_fold(t, c, t->others[c]))
                 return 1;
     return 0;
@@ -144,7 +144,7 @@ norma_result norma_check_sides_at_folds(
     const core_side_judge *j, size_t first, size_t count, uint8_t *sides) {
     enum { NOT_LOOKED_AT, PLAIN, FOLDED };
     uint8_t *pieces = NULL;
-    for (size_t f = 0; f < count; f++) {
+    for (size_t f = 0; f < count; ++f) {
         const uint32_t piece = j->pieces.of[first + f];
         if (!norma_check_is_turned(sides[f]) || sides[f] & CORE_SIDE_BY_RAYS || piece == UINT32_MAX)
             continue;
@@ -173,11 +173,11 @@ size_t norma_check_count_turned(
     const size_t first = first_face(m);
     size_t count = 0;
     *twice_area = 0;
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
+    for (size_t f = 0; f < m->mesh.face_count; ++f) {
         if (!norma_check_is_turned(sides[f]) || parts->of[first + f] == UINT32_MAX ||
             !(asked[f] || parts->each[parts->of[first + f]].flags & COMPONENT_CONFLICT))
             continue;
-        count++;
+        ++count;
         *twice_area += norma_check_twice_area(m, f);
     }
     return count;
@@ -231,7 +231,7 @@ static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet
     if (is != CORE_LENGTH_ZERO && cosine < CLEAR_COSINE)
         part->twice_area += norma_check_twice_area(m, facet);
     if (is == CORE_LENGTH_ZERO) {
-        part->zeros++;
+        ++part->zeros;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
         if (pass->behind)
@@ -244,7 +244,7 @@ static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet
 
 static void judge_facets(void *context, size_t block, size_t begin, size_t end) {
     const facet_pass *pass = context;
-    for (size_t f = begin; f < end; f++) judge_facet(pass, &pass->parts[block], f);
+    for (size_t f = begin; f < end; ++f) judge_facet(pass, &pass->parts[block], f);
 }
 
 /* Those that no fix of normals is for: wound wrongly while their normals are right, or perhaps. */
@@ -253,7 +253,7 @@ static norma_result count_turned(check_mesh *m, const uint8_t *behind, check_fac
     if (!memchr(behind, 1, faces) && !memchr(behind, 2, faces)) return NORMA_OK;
     uint8_t *sides = norma_core_allocate(&m->run->call, faces, 1);
     const norma_result result = sides ? norma_check_sides(m, behind, sides) : NORMA_ERROR_MEMORY;
-    for (size_t f = 0; !result && f < faces; f++) {
+    for (size_t f = 0; !result && f < faces; ++f) {
         sum->turned += behind[f] && norma_check_is_turned(sides[f]);
         sum->undecided += behind[f] > 1 && sides[f] & CORE_SIDE_UNDECIDED;
     }
@@ -315,7 +315,7 @@ norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(&m->run->call, count, FACETS_IN_BLOCK, judge_facets, &pass);
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         norma_check_hits_merge(m->run, &sum->hits, &pass.parts[i].hits);
         sum->zeros += pass.parts[i].zeros;
         sum->twice_area += pass.parts[i].twice_area;

@@ -25,7 +25,7 @@ static int unit_normal(const check_mesh *m, size_t face, size_t corner, double n
     if (number == SIZE_MAX) return 0;
     norma_check_normal(m, number, normal);
     const double length = norma_core_length(normal);
-    for (int k = 0; k < 3; k++) normal[k] /= length;
+    for (int k = 0; k < 3; ++k) normal[k] /= length;
     return length > 1e-6 && length < INFINITY;
 }
 
@@ -57,8 +57,8 @@ static int is_smoothed_over(const smoothed_pass *pass, size_t face, size_t corne
 static double cosine_at_middle(double normals[3][3], const float face[3]) {
     double n[3];
     int opposed = 1;
-    for (int k = 0; k < 3; k++) opposed &= norma_check_dot(face, normals[k]) < 0;
-    for (int d = 0; d < 3; d++) n[d] = normals[0][d] + normals[1][d] + normals[2][d];
+    for (int k = 0; k < 3; ++k) opposed &= norma_check_dot(face, normals[k]) < 0;
+    for (int d = 0; d < 3; ++d) n[d] = normals[0][d] + normals[1][d] + normals[2][d];
     const double length = norma_core_length(n),
                  cosine = length > 0 ? norma_check_dot(face, n) / length : 1;
     return opposed ? -cosine : cosine;
@@ -67,7 +67,7 @@ static double cosine_at_middle(double normals[3][3], const float face[3]) {
 static double twice_triangle_area(
     const core_mesh *mesh, const size_t corners[3], const float face[3]) {
     double p[3][3], a[3], b[3], cross[3];
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         norma_core_position(mesh, norma_core_corner(mesh, corners[k]), p[k]);
     norma_core_subtract(p[1], p[0], a);
     norma_core_subtract(p[2], p[0], b);
@@ -80,11 +80,11 @@ static double area_far(const check_mesh *m, size_t face, double *worst) {
     const size_t begin = norma_core_face_begin(&m->mesh, face),
                  end = norma_core_face_end(&m->mesh, face);
     double sum = 0;
-    for (size_t c = begin + 1; c + 1 < end; c++) {
+    for (size_t c = begin + 1; c + 1 < end; ++c) {
         const size_t corners[3] = {begin, c, c + 1};
         double normals[3][3];
         int whole = 1;
-        for (int k = 0; k < 3; k++) whole &= unit_normal(m, face, corners[k], normals[k]);
+        for (int k = 0; k < 3; ++k) whole &= unit_normal(m, face, corners[k], normals[k]);
         const double cosine = whole ? cosine_at_middle(normals, m->faces[face].normal) : 1;
         *worst = fmin(*worst, cosine);
         if (cosine < OFF_COSINE)
@@ -97,12 +97,12 @@ static void judge_shading(void *context, size_t block, size_t begin, size_t end)
     const smoothed_pass *pass = context;
     const check_mesh *m = pass->m;
     smoothed_part *part = &pass->parts[block];
-    for (size_t f = begin; f < end; f++) {
+    for (size_t f = begin; f < end; ++f) {
         size_t c = norma_core_face_begin(&m->mesh, f);
         const size_t last = norma_core_face_end(&m->mesh, f);
         double worst = 1;
         if (!norma_check_directed(&m->faces[f]) || norma_check_is_sliver(&m->faces[f])) continue;
-        while (c < last && !is_smoothed_over(pass, f, c)) c++;
+        while (c < last && !is_smoothed_over(pass, f, c)) ++c;
         const double area = c < last ? area_far(m, f, &worst) : 0;
         if (!(area > 0)) continue;
         part->twice_area += area;
@@ -144,7 +144,7 @@ norma_result norma_check_smoothed(check_mesh *m) {
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_check_blocks(
             &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shading, &pass);
-        for (size_t i = 0; i < blocks; i++) {
+        for (size_t i = 0; i < blocks; ++i) {
             sum.twice_area += pass.parts[i].twice_area;
             norma_check_hits_merge(m->run, &sum.hits, &pass.parts[i].hits);
         }

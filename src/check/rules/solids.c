@@ -30,9 +30,9 @@ static check_spot spot_of(const check_solids *s, size_t number) {
 static check_spot open_spot_of(const check_solids *s, size_t number) {
     const core_components *c = s->components;
     const core_mesh *mesh = &s->topology->mesh;
-    for (size_t i = c->starts[number]; i < c->starts[number + 1]; i++)
+    for (size_t i = c->starts[number]; i < c->starts[number + 1]; ++i)
         for (size_t corner = norma_core_face_begin(mesh, c->faces[i]);
-             corner < norma_core_face_end(mesh, c->faces[i]); corner++)
+             corner < norma_core_face_end(mesh, c->faces[i]); ++corner)
             if (s->topology->partners[corner] == CORE_EDGE_OPEN && c->faces[i] >= s->begin &&
                 c->faces[i] < s->end)
                 return norma_check_face(c->faces[i] - s->begin);
@@ -41,7 +41,7 @@ static check_spot open_spot_of(const check_solids *s, size_t number) {
 
 static size_t count_here(const check_solids *s) {
     size_t count = 0;
-    for (size_t i = 0; i < s->components->count; i++) count += (size_t)is_here(s, i);
+    for (size_t i = 0; i < s->components->count; ++i) count += (size_t)is_here(s, i);
     return count;
 }
 
@@ -89,7 +89,7 @@ static int is_cut_out(const core_components *c, size_t number) {
 /* Those of its faces that no sample stands for yet. */
 static void add_faces(const check_solids *s, size_t number, check_hits *hits) {
     const core_components *c = s->components;
-    for (size_t i = c->starts[number] + 1; i < c->starts[number + 1]; i++)
+    for (size_t i = c->starts[number] + 1; i < c->starts[number + 1]; ++i)
         if (c->faces[i] >= s->begin && c->faces[i] < s->end)
             norma_check_also(s->m->run, hits, norma_check_face(c->faces[i] - s->begin));
 }
@@ -100,8 +100,8 @@ static norma_result tell_inward(const check_solids *s) {
     check_hits inward = {.least = 1}, nested = {0};
     norma_result result = NORMA_OK;
     size_t reaching = 0;
-    for (int faces = 0; faces <= (m->run->options.whole_components != 0); faces++)
-        for (size_t i = 0; i < c->count; i++) {
+    for (int faces = 0; faces <= (m->run->options.whole_components != 0); ++faces)
+        for (size_t i = 0; i < c->count; ++i) {
             const core_component *component = &c->each[i];
             check_hits *hits = component->verdict == COMPONENT_INWARD   ? &inward
                                : component->verdict == COMPONENT_NESTED ? &nested
@@ -128,13 +128,13 @@ static norma_result tell_inward(const check_solids *s) {
 static norma_result find_one_sided(const core_topology *topology, core_components *c) {
     core_components parts;
     size_t conflicts = 0;
-    for (size_t i = 0; i < c->count; i++)
+    for (size_t i = 0; i < c->count; ++i)
         conflicts +=
             (c->each[i].flags & COMPONENT_CONFLICT) != 0 && !(c->each[i].flags & COMPONENT_OPEN);
     if (!conflicts) return NORMA_OK;
     norma_result result = norma_core_find_components(topology, CORE_JOIN_CUT, &parts);
     if (result) return result;
-    for (size_t i = 0; i < parts.count; i++)
+    for (size_t i = 0; i < parts.count; ++i)
         if (parts.each[i].flags & COMPONENT_ONE_SIDED)
             c->each[c->of[parts.faces[parts.starts[i]]]].flags |= COMPONENT_ONE_SIDED;
     norma_core_release_components(topology->call, &parts);
@@ -146,7 +146,7 @@ static norma_result tell_undecidable(const check_solids *s) {
     const core_components *c = s->components;
     check_hits hits = {0};
     size_t one_sided = 0;
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         uint8_t flags = c->each[i].flags;
         if (!(flags & (COMPONENT_OPEN | COMPONENT_ONE_SIDED | COMPONENT_UNBALANCED)) ||
             !is_here(s, i))
@@ -172,7 +172,7 @@ static norma_result tell_undecidable(const check_solids *s) {
 
 static int any_is_closed(const core_components *c) {
     size_t i = 0;
-    while (i < c->count && c->each[i].flags & NOT_CLOSED) i++;
+    while (i < c->count && c->each[i].flags & NOT_CLOSED) ++i;
     return i < c->count;
 }
 
@@ -217,7 +217,7 @@ typedef struct joined {
 
 static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
     uint8_t *loose = calloc(m->mesh.face_count + 1, 1);
-    for (size_t f = 0; loose && f < m->mesh.face_count; f++)
+    for (size_t f = 0; loose && f < m->mesh.face_count; ++f)
         loose[f] = c->of[f] == UINT32_MAX || c->each[c->of[f]].flags != 0;
     return loose;
 }
@@ -243,7 +243,7 @@ static norma_result check_solids_hold(check_mesh *m, const core_components *comp
 }
 
 void norma_check_solids_drop(check_run *run) {
-    for (size_t i = 0; i < run->solid_count; i++) {
+    for (size_t i = 0; i < run->solid_count; ++i) {
         free(run->solids[i].corners);
         free(run->solids[i].loose);
     }
@@ -271,11 +271,11 @@ static void close_solids(joined *j) {
 
 static void fill_solids(joined *j) {
     size_t vertex = 0, corner = 0;
-    for (size_t i = 0; i < j->run->solid_count; i++) {
+    for (size_t i = 0; i < j->run->solid_count; ++i) {
         const check_solid_member *member = &j->run->solids[i];
-        for (size_t v = 0; v < member->mesh.positions.count; v++)
+        for (size_t v = 0; v < member->mesh.positions.count; ++v)
             norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
-        for (size_t c = 0; c < member->mesh.corner_count; c++) {
+        for (size_t c = 0; c < member->mesh.corner_count; ++c) {
             j->corners[corner + c] = (uint32_t)vertex + member->corners[c];
             if (member->loose[c / 3]) j->sources[j->loose_count++] = (uint32_t)(corner + c);
         }
@@ -294,14 +294,14 @@ static norma_mesh mesh_of_corners(const joined *j, const uint32_t *corners, size
 static norma_result join_loose(joined *j) {
     core_mesh mesh;
     core_topology topology;
-    for (size_t i = 0; i < j->loose_count; i++) j->loose[i] = j->corners[j->sources[i]];
+    for (size_t i = 0; i < j->loose_count; ++i) j->loose[i] = j->corners[j->sources[i]];
     const norma_mesh loose = mesh_of_corners(j, j->loose, j->loose_count);
     if (!j->loose_count) return NORMA_OK;
     norma_result result = norma_core_mesh_shape(&loose, &mesh);
     mesh.scale = 1;
     if (!result) result = norma_core_topology_open(&j->run->call, &mesh, &topology);
     if (result) return result;
-    for (size_t i = 0; i < j->loose_count; i++) j->corners[j->sources[i]] = topology.corners[i];
+    for (size_t i = 0; i < j->loose_count; ++i) j->corners[j->sources[i]] = topology.corners[i];
     norma_core_topology_close(&topology);
     return NORMA_OK;
 }
@@ -328,7 +328,7 @@ static norma_result tell_members(
     check_run *run, const core_topology *topology, const core_components *components) {
     norma_result result = NORMA_OK;
     size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; i++) {
+    for (size_t i = 0; i < run->solid_count && !result; ++i) {
         const check_solid_member *member = &run->solids[i];
         char label[CHECK_MESSAGE];
         check_mesh m = mesh_of_member(run, member, label);
@@ -346,7 +346,7 @@ static norma_result tell_members(
 static norma_result find_conflict_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
     norma_result result = NORMA_OK;
     size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; i++) {
+    for (size_t i = 0; i < run->solid_count && !result; ++i) {
         char label[CHECK_MESSAGE];
         check_mesh m = mesh_of_member(run, &run->solids[i], label);
         result = norma_check_sides(&m, edges + face, sides + face);
@@ -359,7 +359,7 @@ static norma_result tell_conflicts(
     check_run *run, const core_topology *topology, const uint8_t *edges, const uint8_t *sides) {
     norma_result result = NORMA_OK;
     size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; i++) {
+    for (size_t i = 0; i < run->solid_count && !result; ++i) {
         char label[CHECK_MESSAGE];
         check_mesh m = mesh_of_member(run, &run->solids[i], label);
         if (norma_check_wants(&m, RULE_N301))
@@ -416,7 +416,7 @@ static norma_result judge_joined_solids(joined *j) {
 norma_result norma_check_solids_joined(check_run *run) {
     joined j = {.run = run};
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < run->solid_count && !result; i++) {
+    for (size_t i = 0; i < run->solid_count && !result; ++i) {
         const core_mesh *mesh = &run->solids[i].mesh;
         if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices ||
             mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)

@@ -45,7 +45,7 @@ static void judge_normal(const length_pass *pass, check_lengths *part, size_t nu
 static void judge_normals(void *context, size_t block, size_t begin, size_t end) {
     const length_pass *pass = context;
     pass->parts[block].zero.least = 1;
-    for (size_t i = begin; i < end; i++) judge_normal(pass, &pass->parts[block], i);
+    for (size_t i = begin; i < end; ++i) judge_normal(pass, &pass->parts[block], i);
 }
 
 /* ---- how many normals of no length belong to degenerate faces only, or to no face: a word of
@@ -54,9 +54,9 @@ static void judge_normals(void *context, size_t block, size_t begin, size_t end)
 enum { USED = 1, BUSY = 2 }; /* by a face; by one that has a direction */
 
 static void mark_users(const check_mesh *m, uint8_t *marks) {
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
-             c++) {
+             ++c) {
             const size_t number = norma_check_normal_of(m, f, c);
             if (number != SIZE_MAX)
                 marks[number] |= norma_check_directed(&m->faces[f]) ? USED | BUSY : USED;
@@ -70,7 +70,7 @@ static norma_result count_idle(check_mesh *m, check_idle *idle) {
     if (result || !marks) return result ? result : NORMA_ERROR_MEMORY;
     memset(marks, 0, count);
     mark_users(m, marks);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double n[3], length;
         if (marks[i] & BUSY || (m->users && m->users[i] == UINT32_MAX)) continue;
         norma_check_normal(m, i, n);
@@ -157,7 +157,7 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
     if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
     if (!result)
         result = norma_check_blocks(&m->run->call, count, NORMALS_IN_BLOCK, judge_normals, &pass);
-    for (size_t i = 0; pass.parts && i < blocks; i++) {
+    for (size_t i = 0; pass.parts && i < blocks; ++i) {
         norma_check_hits_merge(m->run, &sum->non_finite, &pass.parts[i].non_finite);
         norma_check_hits_merge(m->run, &sum->zero, &pass.parts[i].zero);
         norma_check_hits_merge(m->run, &sum->non_unit, &pass.parts[i].non_unit);
@@ -186,7 +186,7 @@ static int lacks_normals(const check_mesh *m, size_t face) {
     const uint8_t *faults = m->given->attributes.face_faults;
     if (faults && faults[face]) return 0;
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
-         c++)
+         ++c)
         if (norma_check_normal_of(m, face, c) != SIZE_MAX) return 0;
     return 1;
 }
@@ -198,7 +198,7 @@ static norma_result add_faces_without(check_mesh *m) {
                   !m->given->attributes.face_faults; /* of vertices: N106's */
     if (m->given->material.unlit || too_few || (some && !m->given->data.corner_normals))
         return NORMA_OK;
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         if (!some || lacks_normals(m, f)) norma_check_hit(m->run, &hits, 0, norma_check_face(f));
     int obj = m->run->format == NORMA_FILE_OBJ, gltf = !obj && m->run->format != NORMA_FILE_PLY;
     return norma_check_report(m,
@@ -234,12 +234,12 @@ static void hit_faults(const check_mesh *m, check_hits *hits) {
     const norma_mesh_attributes *a = &m->given->attributes;
     size_t total = a->normals_missing + a->normals_surplus + a->normals_out_of_range;
     if (a->face_faults)
-        for (size_t f = 0; f < m->mesh.face_count; f++)
+        for (size_t f = 0; f < m->mesh.face_count; ++f)
             if (a->face_faults[f]) norma_check_hit(m->run, hits, 0, norma_check_face(f));
     for (size_t v = norma_check_normal_count(m);
          !a->face_faults && a->normals_missing && v < m->mesh.positions.count &&
          hits->count < a->normals_missing;
-         v++)
+         ++v)
         norma_check_hit(m->run, hits, 0, norma_check_vertex(v));
     if (hits->count == 0) hits->worst_spot = CHECK_NOWHERE;
     hits->count = total;

@@ -47,7 +47,7 @@ static uint32_t texcoord_of(const check_mesh *m, size_t corner) {
 static double face_area(const check_mesh *m, size_t begin, size_t end) {
     const float *uvs = m->given->attributes.texcoords;
     double sum = 0;
-    for (size_t c = begin + 1; c + 1 < end; c++) {
+    for (size_t c = begin + 1; c + 1 < end; ++c) {
         const uint32_t t[3] = {texcoord_of(m, begin), texcoord_of(m, c), texcoord_of(m, c + 1)};
         if (t[0] == UINT32_MAX || t[1] == UINT32_MAX || t[2] == UINT32_MAX) return 0;
         sum += uv_area(uvs + 2 * (size_t)t[0], uvs + 2 * (size_t)t[1], uvs + 2 * (size_t)t[2]);
@@ -57,12 +57,12 @@ static double face_area(const check_mesh *m, size_t begin, size_t end) {
 
 static void judge_signs(const check_mesh *m, uint8_t *verdicts) {
     const norma_mesh_attributes *a = &m->given->attributes;
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
+    for (size_t f = 0; f < m->mesh.face_count; ++f) {
         size_t begin = norma_core_face_begin(&m->mesh, f), end = norma_core_face_end(&m->mesh, f);
         double area = face_area(m, begin, end);
         if (area == 0) continue;
         float expected = area < 0 ? 1 : -1;
-        for (size_t c = begin; c < end; c++) {
+        for (size_t c = begin; c < end; ++c) {
             size_t v = norma_core_corner(&m->mesh, c);
             float sign = v < a->tangent_count ? a->tangents[4 * v + 3] : 0;
             if (sign == 1 || sign == -1) verdicts[v] |= sign == expected ? WITH : AGAINST;
@@ -82,7 +82,7 @@ static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t wit
     char message[CHECK_MESSAGE], map[CHECK_MESSAGE];
     check_hits hits = {0};
     int mixed = with > 0, side = mixed && with < against ? WITH : AGAINST;
-    for (size_t v = 0; v < m->mesh.positions.count; v++)
+    for (size_t v = 0; v < m->mesh.positions.count; ++v)
         if (verdicts[v] == side) norma_check_hit(m->run, &hits, 0, norma_check_vertex(v));
     name_of_map(m, map);
     if (!mixed)
@@ -118,7 +118,7 @@ static norma_result check_tangent_signs(check_mesh *m) {
     if (!verdicts) return NORMA_ERROR_MEMORY;
     memset(verdicts, 0, count);
     judge_signs(m, verdicts);
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         with += verdicts[v] == WITH;
         against += verdicts[v] == AGAINST;
     }
@@ -218,7 +218,7 @@ static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v
 
 static void judge_tangents(void *context, size_t block, size_t begin, size_t end) {
     const tangent_pass *pass = context;
-    for (size_t v = begin; v < end; v++) judge_tangent(pass, &pass->parts[block], v);
+    for (size_t v = begin; v < end; ++v) judge_tangent(pass, &pass->parts[block], v);
 }
 
 static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
@@ -274,7 +274,7 @@ static norma_result judge_values(check_mesh *m) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     norma_result result =
         norma_check_blocks(&m->run->call, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         norma_check_hits_merge(m->run, &sum.bad, &pass.parts[i].bad);
         norma_check_hits_merge(m->run, &sum.sign, &pass.parts[i].sign);
         norma_check_hits_merge(m->run, &sum.leaning, &pass.parts[i].leaning);

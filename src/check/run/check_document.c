@@ -32,7 +32,7 @@ static int is_same_view(const norma_vec3_view *a, const norma_vec3_view *b) {
     if (a->count != b->count || a->format != b->format) return 0;
     if (norma_view_stride(a) == size && norma_view_stride(b) == size)
         return is_same_array(p, q, a->count, size);
-    for (size_t i = 0; i < a->count; i++, p += norma_view_stride(a), q += norma_view_stride(b))
+    for (size_t i = 0; i < a->count; ++i, p += norma_view_stride(a), q += norma_view_stride(b))
         if (memcmp(p, q, size) != 0) return 0;
     return 1;
 }
@@ -83,7 +83,7 @@ static int is_same_normals(const norma_check_mesh *a, const norma_check_mesh *b)
 
 static int is_same_morphs(const norma_check_mesh *a, const norma_check_mesh *b) {
     if (a->morph_count != b->morph_count) return 0;
-    for (size_t i = 0; i < a->morph_count; i++)
+    for (size_t i = 0; i < a->morph_count; ++i)
         if (!is_same_view(&a->morphs[i].positions, &b->morphs[i].positions) ||
             !is_same_view(&a->morphs[i].normals, &b->morphs[i].normals) ||
             !is_same_view(&a->morphs[i].tangents, &b->morphs[i].tangents))
@@ -113,7 +113,7 @@ static check_change check_compare(const norma_check_mesh *a, const norma_check_m
 
 /* Takes from rules those to which it makes no difference; N002 is told again by whoever told it. */
 static void check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change) {
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         if (rule != RULE_N002 && (change == CHECK_SAME || (change == CHECK_SAME_SURFACE &&
                                                               is_of_surface((check_rule)rule))))
             rules[rule] = 0;
@@ -159,7 +159,7 @@ static int is_map_wanted(const check_run *run, const norma_check_mesh *mesh) {
 
 static norma_document_result find_uses(const map_job *job, map_use *uses, size_t *count) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < job->mesh_count && !result; i++) {
+    for (size_t i = 0; i < job->mesh_count && !result; ++i) {
         const norma_check_mesh *mesh = &job->meshes[i];
         if (!is_map_wanted(job->run, mesh)) continue;
         map_use *use = &uses[*count];
@@ -210,7 +210,7 @@ static norma_result judge_image(const map_job *job, const map_use *uses, size_t 
     norma_result result = NORMA_OK;
     if (read == IMAGE_MEMORY) return NORMA_ERROR_MEMORY;
     if (read) return tell_not_read(job, uses, norma_image_text(read));
-    for (size_t i = 0; i < count && !result; i++) result = judge_map_of(job, &uses[i], &texels);
+    for (size_t i = 0; i < count && !result; ++i) result = judge_map_of(job, &uses[i], &texels);
     norma_map_free(&texels);
     return result;
 }
@@ -227,7 +227,7 @@ static norma_document_result judge_maps(const map_job *job, norma_result *failed
     const norma_document_result result = find_uses(job, uses, &count);
     if (!result && count) qsort(uses, count, sizeof *uses, by_image);
     for (size_t i = 0, end; i < count && !result && !*failed; i = end) {
-        for (end = i + 1; end < count && is_same_image(&uses[i].map, &uses[end].map); end++)
+        for (end = i + 1; end < count && is_same_image(&uses[i].map, &uses[end].map); ++end)
             ;
         *failed = judge_image(job, &uses[i], end - i);
     }
@@ -282,7 +282,7 @@ static norma_document_result tell_place_unread(
 
 /* It has no vertices; or no normals, and no face whose positions are points. */
 static int is_unchecked(const document_check *d, const norma_mesh_info *info) {
-    for (size_t i = 0; info->normals == NORMA_NORMALS_NONE && i < d->run.findings->count; i++) {
+    for (size_t i = 0; info->normals == NORMA_NORMALS_NONE && i < d->run.findings->count; ++i) {
         const norma_finding *finding = norma_findings_get(d->run.findings, i);
         if (finding->rule == &norma_rules(NULL)[RULE_N002] && finding->count == info->faces &&
             strcmp(finding->where, info->where) == 0)
@@ -293,13 +293,13 @@ static int is_unchecked(const document_check *d, const norma_mesh_info *info) {
 
 static int is_empty(const document_check *d) {
     size_t i = 0;
-    while (i < d->mesh_count && is_unchecked(d, &d->meshes[i].info)) i++;
+    while (i < d->mesh_count && is_unchecked(d, &d->meshes[i].info)) ++i;
     return i == d->mesh_count;
 }
 
 /* Where nothing could be checked, that is an error. */
 static void raise_unread(document_check *d) {
-    for (size_t i = 0; i < d->run.findings->count; i++) {
+    for (size_t i = 0; i < d->run.findings->count; ++i) {
         norma_finding *finding = norma_findings_change(d->run.findings, i);
         if (finding->rule == &norma_rules(NULL)[RULE_N002])
             finding->severity = NORMA_SEVERITY_ERROR;
@@ -312,7 +312,7 @@ static norma_document_result tell_up_to(document_check *d, const norma_mesh_info
     norma_document_result result = NORMA_DOCUMENT_OK;
     char label[CHECK_MESSAGE] = "";
     for (size_t count = norma_document_unread_count(d->document); d->next_unread < count && !result;
-         d->next_unread++) {
+         ++d->next_unread) {
         norma_unread unread;
         result = norma_document_unread(d->document, d->next_unread, &unread);
         int of_mesh = !result && strncmp(unread.where, "/meshes/", 8) == 0;
@@ -336,7 +336,7 @@ static norma_document_result read_morphs(norma_document *document, size_t index,
     *morphs = count ? calloc(count, sizeof **morphs) : NULL;
     if (count && !*morphs) return norma_check_fail(error, NORMA_ERROR_MEMORY);
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t t = 0; t < count && !result; t++)
+    for (size_t t = 0; t < count && !result; ++t)
         result = norma_document_morph_data(document, index, t, &(*morphs)[t], error);
     mesh->morphs = *morphs;
     mesh->morph_count = count;
@@ -391,7 +391,7 @@ static norma_document_result compare_meshes(
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t group = SIZE_MAX;
     *change = d->known ? CHECK_SAME : CHECK_ALL_CHANGED;
-    for (size_t i = begin; i < end && !result && *change != CHECK_ALL_CHANGED; i++) {
+    for (size_t i = begin; i < end && !result && *change != CHECK_ALL_CHANGED; ++i) {
         norma_mesh_info info;
         result = norma_document_mesh_info(d->document, i, &info);
         if (result || info.not_read) continue;
@@ -411,11 +411,11 @@ static int is_told_with_meshes(check_rule rule) {
 /* Of the rules that are wanted, but not looked at; and how normals that are the same were made. */
 static norma_result copy_known(
     document_check *d, size_t first, const uint8_t *wanted, check_change change) {
-    for (size_t mesh = first; mesh < d->mesh_count; mesh++) {
+    for (size_t mesh = first; mesh < d->mesh_count; ++mesh) {
         size_t count;
         const norma_finding **found =
             norma_places_find(&d->places, d->meshes[mesh].info.where, &count);
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             const size_t rule = (size_t)(found[i]->rule - norma_rules(NULL));
             const int is_copied = (wanted[rule] || (found[i]->deviation && change == CHECK_SAME)) &&
                                   !d->run.rules[rule] && is_told_with_meshes((check_rule)rule);
@@ -432,7 +432,7 @@ static norma_result run_group(document_check *d, size_t first, check_change chan
     norma_result result = NORMA_OK;
     memcpy(wanted, d->run.rules, sizeof wanted);
     check_leave_known(d->run.rules, change);
-    for (size_t rule = 0; d->known && d->known->again && rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; d->known && d->known->again && rule < CHECK_RULE_COUNT; ++rule)
         d->run.rules[rule] |= wanted[rule] && d->known->again[rule];
     if (change != CHECK_ALL_CHANGED) result = copy_known(d, first, wanted, change);
     if (!result && memchr(d->run.rules, 1, sizeof d->run.rules))
@@ -491,11 +491,11 @@ static norma_document_result check_maps(document_check *d) {
 
 static void multiply_upper(const double a[16], double b[16]) { /* of 4 x 4, into b */
     double product[9];
-    for (int column = 0; column < 3; column++)
-        for (int row = 0; row < 3; row++)
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
             product[3 * column + row] = a[row] * b[4 * column] + a[4 + row] * b[4 * column + 1] +
                                         a[8 + row] * b[4 * column + 2];
-    for (int i = 0; i < 9; i++) b[4 * (i / 3) + i % 3] = product[i];
+    for (int i = 0; i < 9; ++i) b[4 * (i / 3) + i % 3] = product[i];
 }
 
 /* A tile may draw all that again and again: its instances are then those of each of its own, one
@@ -540,7 +540,7 @@ static norma_document_result read_skins(document_check *d) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->skins = calloc(count + 1, sizeof *d->skins);
     if (!d->skins) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
-    for (; d->skin_count < count && !result; d->skin_count++) {
+    for (; d->skin_count < count && !result; ++d->skin_count) {
         norma_skin_info *skin = &d->skins[d->skin_count];
         norma_document_error error;
         norma_document_result read =
@@ -568,7 +568,7 @@ static norma_document_result multiply_instances(
             "this node and those after it in all but the tile's first instance, as there are too "
             "many together with their own");
     }
-    d->multiplied++;
+    ++d->multiplied;
     info->instances *= in_tile;
     *left -= info->instances;
     return NORMA_DOCUMENT_OK;
@@ -583,7 +583,7 @@ static norma_document_result check_nodes(document_check *d) {
     d->run.has_tile_instances = in_tile > 0;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
     if (!d->nodes) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
-    for (size_t i = 0; i < count && !result; i++) {
+    for (size_t i = 0; i < count && !result; ++i) {
         result = norma_document_node_info(d->document, i, &d->nodes[i]);
         double world[16];
         if (result) /* once more, for the words */
@@ -663,10 +663,10 @@ static norma_document_result check_tiles(norma_document *document,
     norma_document *tile;
     const norma_result begun = norma_check_begin(&run, options, norma_document_format(document));
     norma_document_result result = begun ? norma_check_fail(error, begun) : NORMA_DOCUMENT_OK;
-    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; i++) {
+    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; ++i) {
         norma_findings *own = NULL;
         result = norma_check_again(tile, NULL, options, &own, error);
-        for (size_t k = 0; !result && k < norma_findings_count(own); k++)
+        for (size_t k = 0; !result && k < norma_findings_count(own); ++k)
             if (!add_of_tile(&run, norma_findings_get(own, k), i))
                 result = norma_check_fail(error, NORMA_ERROR_MEMORY);
         if (norma_findings_partly(own)) norma_check_partly(&run);
@@ -709,11 +709,11 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
         *findings = norma_check_finish(&d.run);
     if (!result) name_meshes(d.meshes, d.mesh_count, *findings);
     for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document);
-         i++)
+         ++i)
         free(d.morphs[i]);
     void *const blocks[] = {
         (void *)d.places.findings, d.meshes, (void *)d.morphs, d.orders, d.nodes, d.skins};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free(blocks[i]);
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
     return result;
 }
 

@@ -52,11 +52,11 @@ enum { NOT_BUSY = 1, NOT_USED = 2 }; /* by a face with a direction; by any */
 static norma_result note_zeros(large_check *c, const large_vertices *part) {
     if (!c->zeros) c->zeros = calloc(c->given.info.vertices / 4 + 1, 1);
     if (!c->zeros) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < part->normals.count; i++)
+    for (size_t i = 0; i < part->normals.count; ++i)
         if (is_zero_normal(&part->normals, i)) {
             c->zeros[(part->first + i) / 4] |=
                 (uint8_t)((NOT_BUSY | NOT_USED) << 2 * ((part->first + i) % 4));
-            c->idle.unused++;
+            ++c->idle.unused;
         }
     return NORMA_OK;
 }
@@ -84,17 +84,17 @@ static norma_document_result look_at_vertices(void *context, const large_vertice
 static void use_normal(large_check *c, uint32_t v, int directed) {
     const unsigned shift = 2 * (v % 4), is = c->zeros[v / 4] >> shift & (NOT_BUSY | NOT_USED);
     if (is & NOT_USED) {
-        c->idle.unused--;
-        c->idle.degenerate++;
+        --c->idle.unused;
+        ++c->idle.degenerate;
     }
-    if (is && directed) c->idle.degenerate--;
+    if (is && directed) --c->idle.degenerate;
     c->zeros[v / 4] &= (uint8_t) ~((directed ? NOT_BUSY | NOT_USED : NOT_USED) << shift);
 }
 
 static void use_normals(large_check *c, const check_mesh *m, const uint32_t *vertices) {
-    for (size_t f = 0; f < m->mesh.face_count; f++)
+    for (size_t f = 0; f < m->mesh.face_count; ++f)
         for (size_t k = norma_core_face_begin(&m->mesh, f); k < norma_core_face_end(&m->mesh, f);
-             k++)
+             ++k)
             use_normal(c, vertices[norma_core_corner(&m->mesh, k)],
                 norma_check_directed(&m->faces[f]) != 0);
 }
@@ -164,7 +164,7 @@ static norma_result ask_shorter(
     large_check *c = context;
     const double middle = low + (high - low) / 2;
     size_t at = 0;
-    while (at < c->range_count && c->ranges[at] < middle) at++;
+    while (at < c->range_count && c->ranges[at] < middle) ++at;
     if (at == c->range_count || c->ranges[at] > middle) {
         c->range_count = 0;
         memset(c->counts, 0, sizeof c->counts);
@@ -173,7 +173,7 @@ static norma_result ask_shorter(
         at = LENGTHS / 2;
     }
     *shorter = *all = 0;
-    for (size_t i = 0; i <= c->range_count; i++) {
+    for (size_t i = 0; i <= c->range_count; ++i) {
         *shorter += i <= at ? c->counts[i] : 0;
         *all += c->counts[i];
     }
@@ -199,8 +199,8 @@ static int needs_neighbours(const large_check *c, check_rule rule) {
                             of_vertices[] = {RULE_N201, RULE_N202, RULE_N203, RULE_N204, RULE_N206,
                                 RULE_N207, RULE_N403, RULE_N501, RULE_N502};
     int needs = 0;
-    for (size_t i = 0; i < sizeof both / sizeof *both; i++) needs |= rule == both[i];
-    for (size_t i = 0; i < sizeof of_vertices / sizeof *of_vertices; i++)
+    for (size_t i = 0; i < sizeof both / sizeof *both; ++i) needs |= rule == both[i];
+    for (size_t i = 0; i < sizeof of_vertices / sizeof *of_vertices; ++i)
         needs |= rule == of_vertices[i] && c->run.format != NORMA_FILE_STL;
     return needs;
 }
@@ -209,7 +209,7 @@ static norma_result tell_unread(large_check *c) {
     char names[CHECK_MESSAGE] = "", message[CHECK_MESSAGE];
     const check_place place = {.order = 0, .where = "", .label = ""};
     size_t length = 0;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         if (c->run.rules[rule] && needs_neighbours(c, (check_rule)rule)) {
             const char *id = norma_rules(NULL)[rule].id;
             if (length) memcpy(names + length, ", ", 3), length += 2;

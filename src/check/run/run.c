@@ -23,7 +23,7 @@ norma_result norma_check_take_options(
                                              : first;
     *options = (norma_check_options){0};
     if (given) memcpy(options, given, size < sizeof *options ? size : sizeof *options);
-    for (size_t i = sizeof *options; i < size; i++)
+    for (size_t i = sizeof *options; i < size; ++i)
         if (((const unsigned char *)given)[i]) return NORMA_ERROR_ARGUMENT;
     if (options->profile < NORMA_CHECK_PROFILE_AUTO ||
         options->profile > NORMA_CHECK_PROFILE_GENERATED)
@@ -151,7 +151,7 @@ static norma_result run_mesh(check_run *run, size_t number) {
         (check_place){.order = run->group->orders ? run->group->orders[number] : run->next_order++,
             .where = given->info.where ? given->info.where : "",
             .label = label};
-    for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++) {
+    for (size_t i = 0; i < sizeof families / sizeof *families && !result; ++i) {
         norma_core_stage(
             &run->call, from + share * done, from + share * (done + families[i].share));
         done += families[i].share;
@@ -169,7 +169,7 @@ norma_result norma_check_run_group(
     group.judge = run->judge ? run->judge : &group.own;
     if (group.judge->is_open) norma_core_side_judge_forget(&group.judge->sides);
     run->group = &group;
-    for (size_t i = 0; i < count && !result; i++) result = run_mesh(run, i);
+    for (size_t i = 0; i < count && !result; ++i) result = run_mesh(run, i);
     if (!result) result = norma_check_seams_joined(run);
     if (!result) result = norma_check_solids_joined(run);
     norma_check_close_judge(&group.own);
@@ -179,7 +179,7 @@ norma_result norma_check_run_group(
 
 static size_t check_group_size(const norma_check_mesh *meshes, size_t count) {
     size_t size = count > 0;
-    while (size < count && norma_check_siblings(&meshes[size - 1].info, &meshes[size].info)) size++;
+    while (size < count && norma_check_siblings(&meshes[size - 1].info, &meshes[size].info)) ++size;
     return size;
 }
 

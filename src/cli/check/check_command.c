@@ -271,7 +271,7 @@ static int check_against_words(const cli_subcommand *command, const check_work *
     if (settings->fix) return cli_usage(command, "--against and --fix exclude each other");
     if (work->format != &check_format_text && work->format != &check_format_json)
         return cli_usage(command, "--against needs --format text or json");
-    for (size_t i = 0; i < work->files.words.count; i++)
+    for (size_t i = 0; i < work->files.words.count; ++i)
         if (strcmp(work->files.words.words[i], "-") == 0)
             return cli_usage(command, "standard input has no namesake in --against FOLDER");
     if (!cli_is_folder(settings->against))

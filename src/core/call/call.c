@@ -12,7 +12,7 @@
 /* A caller built against a later header may not ask for what this library does not know. */
 static int has_unknown_fields(const norma_options *options) {
     const unsigned char *bytes = (const unsigned char *)options;
-    for (size_t i = sizeof(norma_options); i < options->struct_size; i++)
+    for (size_t i = sizeof(norma_options); i < options->struct_size; ++i)
         if (bytes[i]) return 1;
     return 0;
 }
@@ -32,7 +32,7 @@ static norma_result check_choices(const norma_options *o, norma_fault *fault) {
         return refuse_option(fault, "options->non_manifold", "a norma_non_manifold");
     if (o->fallback < NORMA_FALLBACK_ZERO || o->fallback > NORMA_FALLBACK_GIVEN)
         return refuse_option(fault, "options->fallback", "a norma_fallback");
-    for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
+    for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; ++k)
         if (!isfinite(o->fallback_normal[k]))
             return norma_core_refuse(
                 fault, NORMA_ERROR_ARGUMENT, "options->fallback_normal", k, "a finite number");
@@ -232,7 +232,7 @@ norma_result norma_core_output_open(
         .stride = o->normal_stride,
         .reasons = o->reasons,
         .nearest = o->fallback == NORMA_FALLBACK_NEAREST};
-    for (int k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
+    for (int k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; ++k)
         output->fallback[k] = o->fallback_normal[k] + 0.0F; /* no -0 */
     if (count && !normals) return NORMA_ERROR_ARGUMENT;
     if (count > capacity) return NORMA_ERROR_CAPACITY;
@@ -242,7 +242,7 @@ norma_result norma_core_output_open(
 void norma_core_direction(const double direction[3], float normal[3]) {
     double unit[3];
     norma_core_normalise(direction, unit);
-    for (int k = 0; k < 3; k++) normal[k] = (float)unit[k] + 0.0F;
+    for (int k = 0; k < 3; ++k) normal[k] = (float)unit[k] + 0.0F;
 }
 
 int norma_core_cancels(const double sum[3], double weight) {
@@ -314,9 +314,9 @@ void norma_core_normalise(const double v[3], double unit[3]) {
             return;
         }
         const int exponent = ilogb(largest);
-        for (int k = 0; k < 3; k++) scaled[k] = ldexp(v[k], -exponent);
+        for (int k = 0; k < 3; ++k) scaled[k] = ldexp(v[k], -exponent);
     }
     const double inverse =
         1 / sqrt(norma_core_dot(scaled, scaled)); /* as the kernel that makes eight at once */
-    for (int k = 0; k < 3; k++) unit[k] = scaled[k] * inverse;
+    for (int k = 0; k < 3; ++k) unit[k] = scaled[k] * inverse;
 }

@@ -110,7 +110,7 @@ static inline void norma_view_read(const norma_vec3_view *view, size_t index, do
     case NORMA_FORMAT_FLOAT: {
         float v[3];
         memcpy(v, at, sizeof v);
-        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        for (int i = 0; i < 3; ++i) out[i] = (double)v[i];
         return;
     }
     case NORMA_FORMAT_DOUBLE:
@@ -119,22 +119,22 @@ static inline void norma_view_read(const norma_vec3_view *view, size_t index, do
     case NORMA_FORMAT_INT8: {
         int8_t v[3];
         memcpy(v, at, sizeof v);
-        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        for (int i = 0; i < 3; ++i) out[i] = (double)v[i];
         return;
     }
     case NORMA_FORMAT_UINT8:
-        for (int i = 0; i < 3; i++) out[i] = (double)at[i];
+        for (int i = 0; i < 3; ++i) out[i] = (double)at[i];
         return;
     case NORMA_FORMAT_INT16: {
         int16_t v[3];
         memcpy(v, at, sizeof v);
-        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        for (int i = 0; i < 3; ++i) out[i] = (double)v[i];
         return;
     }
     case NORMA_FORMAT_UINT16: {
         uint16_t v[3];
         memcpy(v, at, sizeof v);
-        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        for (int i = 0; i < 3; ++i) out[i] = (double)v[i];
         return;
     }
     }
@@ -174,7 +174,7 @@ static inline void norma_core_cross(const double a[3], const double b[3], double
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 static inline void norma_core_subtract(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
+    for (int k = 0; k < 3; ++k) out[k] = a[k] - b[k];
 }
 
 /* Not NaN, not infinite. */
@@ -187,7 +187,7 @@ static inline int norma_core_finite(const double v[3]) {
 
 static inline void norma_core_count_one(norma_count *count, size_t index) {
     if (!count->count || index < count->first) count->first = index;
-    count->count++;
+    ++count->count;
 }
 static inline void norma_core_count_add(norma_count *sum, const norma_count *part) {
     if (!part->count) return;
@@ -334,7 +334,7 @@ static inline void norma_core_write_normals(
     if (output->stride == 3 * sizeof(float))
         memcpy(output->normals + first * output->stride, normals, count * sizeof *normals);
     else
-        for (size_t i = 0; i < count; i++) norma_core_write_normal(output, first + i, normals[i]);
+        for (size_t i = 0; i < count; ++i) norma_core_write_normal(output, first + i, normals[i]);
     if (output->reasons) memset(output->reasons + first, NORMA_REASON_NONE, count);
 }
 /* Writes the normal of an element that has one, or the fallback (not the nearest, which is written

@@ -19,7 +19,7 @@ static void swap_items(const heap *h, size_t a, size_t b) {
 
 static void sift(const heap *h, size_t at, size_t count) {
     for (size_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && h->less(item(h, child), item(h, child + 1))) child++;
+        if (child + 1 < count && h->less(item(h, child), item(h, child + 1))) ++child;
         if (!h->less(item(h, at), item(h, child))) return;
         swap_items(h, at, child);
     }
@@ -29,7 +29,7 @@ void norma_core_sort(
     void *items, size_t count, size_t size, int (*less)(const void *a, const void *b)) {
     const heap h = {items, size, less};
     for (size_t i = count / 2; i-- > 0;) sift(&h, i, count);
-    for (size_t end = count; end > 1; end--) {
+    for (size_t end = count; end > 1; --end) {
         swap_items(&h, 0, end - 1);
         sift(&h, 0, end - 1);
     }
@@ -41,10 +41,10 @@ void norma_core_sort(
 enum { FEW_NUMBERS = 24, BYTE_VALUES = 256 };
 
 static void sort_few_numbers(uint64_t *numbers, size_t count) {
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         const uint64_t moved = numbers[i];
         size_t at = i;
-        for (; at > 0 && moved < numbers[at - 1]; at--) numbers[at] = numbers[at - 1];
+        for (; at > 0 && moved < numbers[at - 1]; --at) numbers[at] = numbers[at - 1];
         numbers[at] = moved;
     }
 }
@@ -53,7 +53,7 @@ static void sort_few_numbers(uint64_t *numbers, size_t count) {
 static uint64_t disorder(const uint64_t *numbers, size_t count) {
     uint64_t differ = 0;
     int ordered = 1;
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         differ |= numbers[i] ^ numbers[0];
         ordered &= numbers[i - 1] < numbers[i];
     }
@@ -67,12 +67,12 @@ static size_t byte_of(uint64_t number, int shift) {
 static void deal(uint64_t *numbers, size_t count, int shift, uint32_t ends[BYTE_VALUES]) {
     uint32_t next[BYTE_VALUES], sum = 0;
     memset(ends, 0, BYTE_VALUES * sizeof *ends);
-    for (size_t i = 0; i < count; i++) ends[byte_of(numbers[i], shift)]++;
-    for (size_t value = 0; value < BYTE_VALUES; value++) {
+    for (size_t i = 0; i < count; ++i) ++ends[byte_of(numbers[i], shift)];
+    for (size_t value = 0; value < BYTE_VALUES; ++value) {
         next[value] = sum;
         ends[value] = sum += ends[value];
     }
-    for (size_t value = 0; value < BYTE_VALUES; value++)
+    for (size_t value = 0; value < BYTE_VALUES; ++value)
         while (next[value] < ends[value]) {
             const uint64_t number = numbers[next[value]];
             const size_t to = byte_of(number, shift);

@@ -14,7 +14,7 @@ typedef struct pool {
 } pool;
 
 static norma_result run_in_order(const pool *c) {
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         if (norma_core_progress(c->call, (double)i / (double)c->count)) return NORMA_CANCELLED;
         c->task(c->context, i);
     }
@@ -81,7 +81,7 @@ struct core_team {
 /* The next step of most calls follows at once; to sleep and to be woken takes longer. */
 static unsigned wait_for_round(core_team *team, unsigned seen) {
     enum { LOOKS = 256 };
-    for (int looks = 0; looks < LOOKS; looks++) {
+    for (int looks = 0; looks < LOOKS; ++looks) {
         const unsigned round = atomic_load_explicit(&team->round, memory_order_acquire);
         if (round != seen) return round;
         sched_yield();
@@ -130,7 +130,7 @@ void norma_core_gather(core_call *call) {
     atomic_init(&team->inside, 0);
     atomic_init(&team->work, NULL);
     atomic_init(&team->over, 0);
-    for (team->started = 0; team->started < helpers; team->started++)
+    for (team->started = 0; team->started < helpers; ++team->started)
         if (pthread_create(&team->threads[team->started], NULL, stay, team) != 0) break;
     call->team = team;
 }
@@ -141,7 +141,7 @@ void norma_core_dismiss(core_call *call) {
     call->team = NULL;
     atomic_store_explicit(&team->over, 1, memory_order_relaxed); /* seen with the round */
     next_round(team);
-    for (size_t i = 0; i < team->started; i++) pthread_join(team->threads[i], NULL);
+    for (size_t i = 0; i < team->started; ++i) pthread_join(team->threads[i], NULL);
     pthread_cond_destroy(&team->wake);
     pthread_mutex_destroy(&team->lock);
     norma_core_release(call, team, 1, sizeof *team);
@@ -169,7 +169,7 @@ static void run_by_team(core_team *team, thread_pool *shared) {
     do tell_progress(shared);
     while (take_one(shared));
     atomic_fetch_add(&team->round, 1);
-    for (size_t waits = 1; atomic_load(&team->inside); waits++) {
+    for (size_t waits = 1; atomic_load(&team->inside); ++waits) {
         sched_yield();
         if (waits % WAITS_A_QUESTION == 0) tell_progress(shared);
     }
@@ -186,11 +186,11 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     } else {
         while (started + 1 < workers &&
                pthread_create(&threads[started], NULL, help_pool, &shared) == 0)
-            started++;
+            ++started;
         do tell_progress(&shared);
         while (take_one(&shared));
         if (c->call->options.progress) wait_for_helpers(&shared, started);
-        for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
+        for (size_t i = 0; i < started; ++i) pthread_join(threads[i], NULL);
     }
     if (c->call->cancelled) return NORMA_CANCELLED;
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
@@ -270,7 +270,7 @@ norma_result norma_core_write_chunks(core_call *call, size_t count, size_t in_ch
     if (!work.tallies) return NORMA_ERROR_MEMORY;
     memset(work.tallies, 0, chunks * sizeof *work.tallies);
     const norma_result result = norma_core_parallel(call, chunks, write_chunk, &work);
-    for (size_t i = 0; i < chunks; i++) norma_core_tally_add(sum, &work.tallies[i]);
+    for (size_t i = 0; i < chunks; ++i) norma_core_tally_add(sum, &work.tallies[i]);
     norma_core_release(call, work.tallies, chunks, sizeof *work.tallies);
     return result;
 }

@@ -13,7 +13,7 @@ static void write_fans(void *context, const core_fans *fans, core_tally *tally) 
     const core_output *output = work->output;
     const uint32_t *corners = fans->corners, *fan_of = fans->fan_of;
     const int reasons = work->reasons || output->reasons;
-    for (size_t i = 0; i < fans->count; i++) {
+    for (size_t i = 0; i < fans->count; ++i) {
         const core_fan *fan = &fans->fans[fan_of ? fan_of[i] : 0];
         if (fan->reason == NORMA_REASON_NONE && !reasons) {
             norma_core_write_normal(output, corners[i], fan->normal);

@@ -30,7 +30,7 @@ static norma_result check_stream(
 }
 
 static norma_result check_indices(const norma_stream *s, size_t corner_count, norma_fault *fault) {
-    for (size_t c = 0; s->corners && c < corner_count; c++)
+    for (size_t c = 0; s->corners && c < corner_count; ++c)
         if (s->corners[c] >= s->count)
             return norma_core_refuse(fault, NORMA_ERROR_INDEX, "streams->corners", c,
                 "the number of a value, below streams->count");
@@ -46,9 +46,9 @@ static norma_result core_check_streams(
     if (corner_count >= UINT32_MAX)
         return norma_core_refuse(
             fault, NORMA_ERROR_OVERFLOW, "corner_count", SIZE_MAX, "fewer than 2^32 - 1 corners");
-    for (size_t s = 0; s < stream_count && result == NORMA_OK; s++)
+    for (size_t s = 0; s < stream_count && result == NORMA_OK; ++s)
         result = check_stream(&streams[s], s, corner_count, fault);
-    for (size_t s = 0; s < stream_count && result == NORMA_OK; s++)
+    for (size_t s = 0; s < stream_count && result == NORMA_OK; ++s)
         result = check_indices(&streams[s], corner_count, fault);
     return result;
 }
@@ -86,15 +86,15 @@ static uint64_t hash_bytes(uint64_t sum, const unsigned char *bytes, size_t size
         sum = mixed(sum, word);
     }
     word = 0;
-    for (size_t i = at; i < size; i++) word = word << 8 | bytes[i];
+    for (size_t i = at; i < size; ++i) word = word << 8 | bytes[i];
     return at < size ? mixed(sum, word) : sum;
 }
 
 static void hash_corners(const void *context, size_t first, size_t count, uint64_t *hashes) {
     const corner_values *v = context;
-    for (size_t c = 0; c < count; c++) {
+    for (size_t c = 0; c < count; ++c) {
         uint64_t sum = 1;
-        for (size_t s = 0; s < v->stream_count; s++)
+        for (size_t s = 0; s < v->stream_count; ++s)
             sum = hash_bytes(sum, value_at(&v->streams[s], first + c), v->streams[s].size);
         hashes[c] = norma_core_weld_mix(sum);
     }
@@ -102,7 +102,7 @@ static void hash_corners(const void *context, size_t first, size_t count, uint64
 
 static int same_values(const void *context, uint32_t one, uint32_t other) {
     const corner_values *v = context;
-    for (size_t s = 0; s < v->stream_count; s++) {
+    for (size_t s = 0; s < v->stream_count; ++s) {
         const norma_stream *stream = &v->streams[s];
         if (memcmp(value_at(stream, one), value_at(stream, other), stream->size) != 0) return 0;
     }
@@ -113,7 +113,7 @@ static int same_values(const void *context, uint32_t one, uint32_t other) {
 
 static size_t count_firsts(const uint32_t *firsts, size_t corner_count) {
     size_t count = 0;
-    for (size_t c = 0; c < corner_count; c++) count += firsts[c] == c;
+    for (size_t c = 0; c < corner_count; ++c) count += firsts[c] == c;
     return count;
 }
 
@@ -129,7 +129,7 @@ static norma_result check_room(const norma_indexed *to, size_t corners, size_t v
 /* Numbers take the place of firsts: those of earlier corners are there already. */
 static void write_indexed(uint32_t *firsts, size_t corner_count, const norma_indexed *to) {
     uint32_t count = 0;
-    for (size_t c = 0; c < corner_count; c++) {
+    for (size_t c = 0; c < corner_count; ++c) {
         const int is_first = firsts[c] == c;
         const uint32_t number = is_first ? count++ : firsts[firsts[c]];
         const uint16_t narrow = (uint16_t)number;
@@ -194,10 +194,10 @@ norma_result norma_copy_values(const norma_stream *stream, const uint32_t *sourc
     if (result == NORMA_OK && count > capacity) result = NORMA_ERROR_CAPACITY;
     if (result == NORMA_OK && count && count - 1 > (SIZE_MAX - stream->size) / step)
         result = NORMA_ERROR_OVERFLOW;
-    for (size_t i = 0; i < count && result == NORMA_OK; i++)
+    for (size_t i = 0; i < count && result == NORMA_OK; ++i)
         if ((stream->corners ? stream->corners[sources[i]] : sources[i]) >= stream->count)
             result = NORMA_ERROR_INDEX;
-    for (size_t i = 0; i < count && result == NORMA_OK; i++)
+    for (size_t i = 0; i < count && result == NORMA_OK; ++i)
         memcpy((unsigned char *)out + i * step, value_at(stream, sources[i]), stream->size);
     return result;
 }

@@ -29,7 +29,7 @@ static int make_unit(const double a[3], double unit[3]) {
     const double square = norma_core_dot(a, a);
     if (square > NORMA_TINIEST && square < NORMA_HUGEST) {
         const double inverse = 1 / sqrt(square);
-        for (int k = 0; k < 3; k++) unit[k] = a[k] * inverse;
+        for (int k = 0; k < 3; ++k) unit[k] = a[k] * inverse;
         return 1;
     }
     norma_core_normalise(a, unit);
@@ -49,13 +49,13 @@ static void across(const double *p, const double *q, const double *r, double a[3
 static int axis_of(cone *c) {
     double a[3] = {c->rim[0][0], c->rim[0][1], c->rim[0][2]};
     if (c->count == 2)
-        for (int k = 0; k < 3; k++) a[k] += c->rim[1][k];
+        for (int k = 0; k < 3; ++k) a[k] += c->rim[1][k];
     if (c->count == 3) across(c->rim[0], c->rim[1], c->rim[2], a);
     if (!make_unit(a, c->axis)) return 0;
     if (c->count == 3 && norma_core_dot(c->axis, c->rim[0]) < 0)
-        for (int k = 0; k < 3; k++) c->axis[k] = -c->axis[k];
+        for (int k = 0; k < 3; ++k) c->axis[k] = -c->axis[k];
     c->cosine = 1;
-    for (int i = 0; i < c->count; i++)
+    for (int i = 0; i < c->count; ++i)
         c->cosine = lesser_cosine(c->cosine, norma_core_dot(c->axis, c->rim[i]));
     return 1;
 }
@@ -64,7 +64,7 @@ static const double ROUNDING = 0x1p-48; /* of cosines of unit vectors; those on 
                                            cone differ by more, and are held by name */
 
 static int is_held(const cone *c, size_t member) {
-    for (int i = 0; i < c->count; i++)
+    for (int i = 0; i < c->count; ++i)
         if (c->held[i] == member) return 1;
     return 0;
 }
@@ -161,13 +161,13 @@ static unsigned sets_of_four(
 /* The cone of a set of the few: they stay in order. */
 static int choose(const cone *few, unsigned set, cone *c) {
     c->count = 0;
-    for (int i = 0; i < few->count; i++)
+    for (int i = 0; i < few->count; ++i)
         if (set >> i & 1U) hold(c, few->held[i], few->rim[i]);
     return axis_of(c);
 }
 
 static int holds(const cone *c, const cone *few) {
-    for (int i = 0; i < few->count; i++)
+    for (int i = 0; i < few->count; ++i)
         if (!is_held(c, few->held[i]) &&
             norma_core_dot(c->axis, few->rim[i]) < c->cosine - ROUNDING)
             return 0;
@@ -207,7 +207,7 @@ typedef struct outmost {
 CORE_INLINE outmost farthest(
     norma_core_cone_at *at, const void *context, size_t count, const double along[3]) {
     outmost far = {count, 2, 2};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double n[3];
         if (!at(context, i, n)) continue;
         const double dot = norma_core_dot(along, n);
@@ -261,7 +261,7 @@ CORE_INLINE int smallest_cone(
     double normal[3] = {0, 0, 0};
     size_t first = 0;
     int stalls = 0;
-    while (first < count && !at(context, first, normal)) first++;
+    while (first < count && !at(context, first, normal)) ++first;
     if (first == count) return 0;
     c->count = 0;
     hold(c, first, normal);
@@ -298,7 +298,7 @@ int norma_core_smallest_cone_of(
 /* Two that are apart hold their cone: what the search would end with, at once. */
 static int cone_of_two(const double (*normals)[3], double axis[3]) {
     double a[3];
-    for (int k = 0; k < 3; k++) a[k] = normals[0][k] + normals[1][k];
+    for (int k = 0; k < 3; ++k) a[k] = normals[0][k] + normals[1][k];
     return make_unit(a, axis);
 }
 

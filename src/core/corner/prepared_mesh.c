@@ -27,7 +27,7 @@ static void survey_face(
     norma_core_count_one(&part->degenerate, f);
     if (!s->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
     part->any_flat = 1;
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c)
         norma_core_mark_flat(s, norma_core_welded_corner(mesh, c));
 }
 
@@ -40,7 +40,7 @@ static void survey_chunk(void *context, size_t chunk) {
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
         norma_core_faces_geometry(s->call, &s->mesh, f, next - f, faces);
-        for (size_t i = 0; i < next - f; i++)
+        for (size_t i = 0; i < next - f; ++i)
             survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
     }
 }
@@ -54,7 +54,7 @@ static norma_result survey_faces(face_survey *survey, int *any_flat) {
     if (!survey->parts) return NORMA_ERROR_MEMORY;
     memset(survey->parts, 0, chunks * sizeof *survey->parts);
     const norma_result result = norma_core_parallel(s->call, chunks, survey_chunk, survey);
-    for (size_t i = 0; i < chunks; i++) {
+    for (size_t i = 0; i < chunks; ++i) {
         norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
         *any_flat |= survey->parts[i].any_flat;
     }
@@ -66,7 +66,7 @@ static void borrow_at_each(
     core_prepared_mesh *s, uint32_t *longest, core_star *star, uint32_t *borrowed_from) {
     memset(longest, 0xff, s->mesh.face_count * sizeof *longest);
     memset(borrowed_from, 0xff, s->mesh.face_count * sizeof *borrowed_from);
-    for (size_t p = 0; p < s->mesh.positions.count; p++) {
+    for (size_t p = 0; p < s->mesh.positions.count; ++p) {
         if (!atomic_load_explicit(&s->flat_at[p], memory_order_relaxed)) continue;
         norma_core_star_load(s, (uint32_t)p, 0, star);
         norma_core_star_borrow_directions(s, star, longest, borrowed_from);
@@ -111,7 +111,7 @@ static norma_result survey_for_fans(core_prepared_mesh *s) {
 
 /* Faces without corners: who adds to sums of positions never meets them. */
 static void count_empty_faces(core_prepared_mesh *s) {
-    for (size_t f = 0; f < s->mesh.face_count; f++)
+    for (size_t f = 0; f < s->mesh.face_count; ++f)
         if (s->mesh.face_starts[f] == s->mesh.face_starts[f + 1])
             norma_core_count_one(&s->degenerate_faces, f);
 }
@@ -185,7 +185,7 @@ void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
  * what they find. */
 
 static norma_result find_wrong_corner(const core_mesh *mesh, norma_fault *fault) {
-    for (size_t c = 0; c < mesh->corner_count; c++)
+    for (size_t c = 0; c < mesh->corner_count; ++c)
         if (norma_core_corner(mesh, c) >= mesh->positions.count)
             return norma_core_refuse(fault, NORMA_ERROR_INDEX, "mesh->corners", c,
                 "the index of a position, below mesh->positions.count");

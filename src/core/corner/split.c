@@ -48,28 +48,28 @@ static const core_fan *fan_of_member(const core_fans *fans, const star_member *m
  * vertex that has one. Members come sorted by vertex and index. */
 static void borrow_within_vertex(const core_fans *fans, star_member *members, size_t count) {
     const star_member *borrowed_from = NULL;
-    for (size_t i = 0; i < count && !borrowed_from; i++)
+    for (size_t i = 0; i < count && !borrowed_from; ++i)
         if (fan_of_member(fans, &members[i])->reason == NORMA_REASON_NONE)
             borrowed_from = &members[i];
-    for (size_t i = 0; i < count && borrowed_from; i++)
+    for (size_t i = 0; i < count && borrowed_from; ++i)
         if (fan_of_member(fans, &members[i])->reason != NORMA_REASON_NONE)
             memcpy(members[i].bits, borrowed_from->bits, sizeof borrowed_from->bits);
 }
 
 static void list_members(const split_work *work, const core_fans *fans) {
     star_member *members = fans->members;
-    for (uint32_t i = 0; i < fans->count; i++) {
+    for (uint32_t i = 0; i < fans->count; ++i) {
         members[i] = (star_member){
             .vertex = norma_core_corner(&work->prepared->mesh, fans->corners[i]), .index = i};
         if (!work->output.nearest) set_bits(work, &fans->fans[fans->fan_of[i]], &members[i]);
     }
     norma_core_sort_corners(members, fans->count);
     if (!work->output.nearest) return;
-    for (size_t i = 0; i < fans->count; i++)
+    for (size_t i = 0; i < fans->count; ++i)
         set_bits(work, fan_of_member(fans, &members[i]), &members[i]);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
         for (end = begin; end < fans->count && members[end].vertex == members[begin].vertex;
-             end++) {
+             ++end) {
         }
         borrow_within_vertex(fans, members + begin, end - begin);
     }
@@ -79,7 +79,7 @@ static void list_members(const split_work *work, const core_fans *fans) {
 /* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first
  * one's. */
 static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         const core_fan *fan = fan_of_member(fans, &fans->members[i]);
         if (fan->reason == NORMA_REASON_NONE) return fan;
     }
@@ -88,7 +88,7 @@ static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t 
 
 static size_t group_end(const star_member *members, size_t begin, size_t count) {
     size_t end = begin + 1;
-    while (end < count && norma_core_same_normal(&members[begin], &members[end])) end++;
+    while (end < count && norma_core_same_normal(&members[begin], &members[end])) ++end;
     return end;
 }
 
@@ -105,7 +105,7 @@ static int number_plain(const split_work *work, const core_fans *fans) {
     const core_mesh *mesh = &work->prepared->mesh;
     const uint32_t first = fans->corners[0], vertex = norma_core_corner(mesh, first);
     if (fans->fan_count != 1 || fans->fans[0].reason != NORMA_REASON_NONE) return 0;
-    for (size_t i = 1; i < fans->count && mesh->weld; i++)
+    for (size_t i = 1; i < fans->count && mesh->weld; ++i)
         if (norma_core_corner(mesh, fans->corners[i]) != vertex) return 0;
     work->firsts[first] = 1;
     keep_single(work, fans);
@@ -115,7 +115,7 @@ static int number_plain(const split_work *work, const core_fans *fans) {
 static void see_to_number(void *context, const core_fans *fans, core_tally *tally) {
     const split_work *work = context;
     int whole = 1;
-    for (size_t i = 0; i < fans->count; i++) {
+    for (size_t i = 0; i < fans->count; ++i) {
         const uint32_t reason = fans->fans[fans->fan_of[i]].reason;
         norma_core_tally(tally, (int)reason, fans->corners[i]);
         whole &= reason == NORMA_REASON_NONE;
@@ -158,7 +158,7 @@ static uint32_t count_first_corners(const uint8_t *firsts, size_t count) {
         memcpy(&eight, firsts, sizeof eight);
         sum += (uint32_t)(eight * ones >> 56);
     }
-    for (size_t i = 0; i < count; i++) sum += firsts[i];
+    for (size_t i = 0; i < count; ++i) sum += firsts[i];
     return sum;
 }
 
@@ -175,7 +175,7 @@ static norma_result count_vertices(const split_work *work, size_t *count) {
     work->before[0] = 0;
     const norma_result result = norma_core_parallel(
         work->prepared->call, blocks_of(work), count_block, (void *)(uintptr_t)work);
-    for (size_t i = 0; i < counts && result == NORMA_OK; i++)
+    for (size_t i = 0; i < counts && result == NORMA_OK; ++i)
         work->before[i + 1] += work->before[i];
     *count = result == NORMA_OK ? work->before[counts] : 0;
     return result;
@@ -208,11 +208,11 @@ static void write_vertices(void *context, size_t block) {
         number = work->before[block * (CORNERS_IN_BLOCK / CORNERS_COUNTED)];
     for (size_t begin = block * CORNERS_IN_BLOCK; begin < end; begin += CORNERS_AT_ONCE) {
         size_t found = 0;
-        for (size_t c = begin; c < end && c < begin + CORNERS_AT_ONCE; c++) {
+        for (size_t c = begin; c < end && c < begin + CORNERS_AT_ONCE; ++c) {
             firsts[found] = (uint32_t)c;
             found += work->firsts[c];
         }
-        for (size_t i = 0; i < found; i++) write_vertex(work, number++, firsts[i]);
+        for (size_t i = 0; i < found; ++i) write_vertex(work, number++, firsts[i]);
     }
 }
 
@@ -220,7 +220,7 @@ static void write_vertices(void *context, size_t block) {
 static void number_block(void *context, size_t block) {
     const split_work *work = context;
     const core_mesh *mesh = &work->prepared->mesh;
-    for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++) {
+    for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); ++c) {
         const uint32_t vertex = norma_core_corner(mesh, c);
         if (work->single[norma_core_welded(mesh, vertex)])
             work->numbers[c] = work->vertices[vertex];
@@ -254,14 +254,14 @@ static norma_result write_numbers(split_work *work) {
 static norma_result thin_out(split_work *work) {
     core_corners_of_position *corners_of = &work->prepared->corners_of;
     size_t count = 0;
-    for (size_t p = 0; p < corners_of->position_count; p++)
+    for (size_t p = 0; p < corners_of->position_count; ++p)
         count += work->single[p] ? 0 : corners_of->starts[p + 1] - corners_of->starts[p];
     if (count > corners_of->corner_count / 2) return NORMA_OK;
     if (!(work->few = norma_core_allocate(work->prepared->call, count, sizeof *work->few)))
         return NORMA_ERROR_MEMORY;
-    for (size_t p = 0, begin = 0, at = 0; p < corners_of->position_count; p++) {
+    for (size_t p = 0, begin = 0, at = 0; p < corners_of->position_count; ++p) {
         const size_t end = corners_of->starts[p + 1];
-        for (size_t i = begin; i < end && !work->single[p]; i++)
+        for (size_t i = begin; i < end && !work->single[p]; ++i)
             work->few[at++] = corners_of->corners[i];
         begin = end;
         corners_of->starts[p + 1] = (uint32_t)at;
@@ -275,14 +275,14 @@ static norma_result thin_out(split_work *work) {
 
 static void see_to_write(void *context, const core_fans *fans, core_tally *tally) {
     const split_work *work = context;
-    for (size_t i = 0; i < fans->count && work->reasons; i++)
+    for (size_t i = 0; i < fans->count && work->reasons; ++i)
         work->reasons[fans->corners[i]] = (uint8_t)fans->fans[fans->fan_of[i]].reason;
     list_members(work, fans);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
         const uint32_t first = fans->corners[fans->members[begin].index],
                        number = new_vertex_of(work, first);
         end = group_end(fans->members, begin, fans->count);
-        for (size_t i = begin; i < end && work->numbers; i++)
+        for (size_t i = begin; i < end && work->numbers; ++i)
             work->numbers[fans->corners[fans->members[i].index]] = number;
         if (!work->output.normals) continue;
         const core_fan *fan = fan_of_group(fans, begin, end);

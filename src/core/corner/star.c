@@ -104,7 +104,7 @@ static int load_lane(const core_mesh *mesh, star_corner *c, core_batch *batch, i
                    previous = k == 0 ? 2 : k - 1;
     uint32_t at[3], welded[3];
     double p[3][3];
-    for (uint32_t i = 0; i < 3; i++) {
+    for (uint32_t i = 0; i < 3; ++i) {
         at[i] = norma_core_corner(mesh, begin + i);
         welded[i] = norma_core_welded(mesh, at[i]);
         norma_core_position(mesh, at[i], p[i]);
@@ -145,18 +145,18 @@ static void load_triangle_corners(const core_prepared_mesh *prepared, int with_w
     core_star *star, star_corner *corners, size_t count) {
     core_batch batch;
     int edged[CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++)
+    for (int i = 0; i < CORE_LANES; ++i)
         edged[i] =
             load_lane(&prepared->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
     norma_core_kernels(prepared->call->level)
         ->measure(&batch, with_weights ? prepared->call->options.weight : NORMA_WEIGHT_UNIFORM);
-    for (int i = 0; (size_t)i < count; i++) {
+    for (int i = 0; (size_t)i < count; ++i) {
         star_corner *c = &corners[i];
         if (!edged[i] || batch.sure[i] == 0) {
             load_unsure(prepared, star, c);
             continue;
         }
-        for (int k = 0; k < 3; k++) c->normal[k] = batch.normal[k][i];
+        for (int k = 0; k < 3; ++k) c->normal[k] = batch.normal[k][i];
         c->weight = with_weights ? batch.weight[c->corner % 3][i] : 0;
         c->flags = STAR_KEPT | STAR_HAS_NORMAL | STAR_VOTES;
     }
@@ -176,7 +176,7 @@ void norma_core_star_begin(const core_prepared_mesh *prepared, uint32_t position
 void norma_core_star_fill(const core_prepared_mesh *prepared, const uint32_t *corners, size_t count,
     int with_weights, core_star *star) {
     star->count = count;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; ++i) {
         star_corner *c = &star->corners[i];
         c->corner = corners[i];
         c->face = (uint32_t)norma_core_face_of(&prepared->corners_of, c->corner);
@@ -200,14 +200,14 @@ void norma_core_star_load(
 }
 
 void norma_core_star_join_all(core_star *star) {
-    for (size_t i = 0; i < star->count; i++) star->joined[i] = 0;
+    for (size_t i = 0; i < star->count; ++i) star->joined[i] = 0;
 }
 
 void norma_core_star_vote(const star_corner *c, star_sum *sum) {
     if (!(c->flags & STAR_VOTES)) return;
-    for (int k = 0; k < 3; k++) sum->sum[k] += c->weight * c->normal[k];
+    for (int k = 0; k < 3; ++k) sum->sum[k] += c->weight * c->normal[k];
     sum->weight += c->weight;
-    sum->votes++;
+    ++sum->votes;
 }
 
 void norma_core_decide_sum(const double sum[3], double weight, core_fan *fan) {
@@ -229,18 +229,18 @@ static void decide_cone(core_fan *fan, const double (*normals)[3], size_t count)
  * its offsets kept in the place of the sums' weights. */
 static void decide_cones(core_star *star) {
     size_t end = 0;
-    for (size_t f = 0; f < star->fan_count; f++) {
+    for (size_t f = 0; f < star->fan_count; ++f) {
         star->sums[f].weight = (double)end;
         end += star->sums[f].votes;
         star->sums[f].votes = 0;
     }
-    for (size_t i = 0; i < star->count; i++) {
+    for (size_t i = 0; i < star->count; ++i) {
         star_sum *sum = &star->sums[star->fan_of[i]];
         if (star->corners[i].flags & STAR_VOTES)
             memcpy(star->normals[(size_t)sum->weight + sum->votes++], star->corners[i].normal,
                 sizeof star->normals[0]);
     }
-    for (size_t f = 0; f < star->fan_count; f++) {
+    for (size_t f = 0; f < star->fan_count; ++f) {
         const star_sum *sum = &star->sums[f];
         if (sum->votes)
             decide_cone(&star->fans[f], (const double(*)[3])star->normals + (size_t)sum->weight,
@@ -252,7 +252,7 @@ static void decide_cones(core_star *star) {
 static void number_fans(core_star *star) {
     const uint32_t reason = star->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE;
     star->fan_count = 0;
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const uint32_t first = star->joined[i];
         star->fan_of[i] = first == i ? (uint32_t)star->fan_count : star->fan_of[first];
         if (first != i) continue;
@@ -263,14 +263,14 @@ static void number_fans(core_star *star) {
 
 void norma_core_star_sum(const core_prepared_mesh *prepared, core_star *star) {
     number_fans(star);
-    for (size_t i = 0; i < star->count; i++)
+    for (size_t i = 0; i < star->count; ++i)
         norma_core_star_vote(&star->corners[i], &star->sums[star->fan_of[i]]);
     if (!star->finite) return;
     if (norma_core_sees(prepared->call)) {
         decide_cones(star);
         return;
     }
-    for (size_t f = 0; f < star->fan_count; f++)
+    for (size_t f = 0; f < star->fan_count; ++f)
         if (star->sums[f].votes)
             norma_core_decide_sum(star->sums[f].sum, star->sums[f].weight, &star->fans[f]);
 }
@@ -279,7 +279,7 @@ void norma_core_star_see_some(
     core_star *star, const uint32_t *members, size_t count, core_fan *fan) {
     size_t votes = 0;
     *fan = (core_fan){.reason = NORMA_REASON_CANCELLED};
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (star->corners[members[i]].flags & STAR_VOTES)
             memcpy(
                 star->normals[votes++], star->corners[members[i]].normal, sizeof star->normals[0]);
@@ -294,7 +294,7 @@ _Static_assert(
 static int member_less(const void *one, const void *other) {
     const star_member *a = one, *b = other;
     if (a->vertex != b->vertex) return a->vertex < b->vertex;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         if (a->bits[k] != b->bits[k]) return a->bits[k] < b->bits[k];
     return a->index < b->index;
 }
@@ -306,8 +306,8 @@ static void swap(star_member *a, star_member *b) {
 }
 
 static void sort_few_members(star_member *members, size_t count) {
-    for (size_t i = 1; i < count; i++)
-        for (size_t at = i; at > 0 && member_less(&members[at], &members[at - 1]); at--)
+    for (size_t i = 1; i < count; ++i)
+        for (size_t at = i; at > 0 && member_less(&members[at], &members[at - 1]); --at)
             swap(&members[at], &members[at - 1]);
 }
 

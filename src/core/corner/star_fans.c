@@ -51,17 +51,17 @@ static int edge_less(const star_edge *a, const star_edge *b) {
 }
 
 static void sort_run(star_edge *edges, size_t count) {
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         const star_edge moved = edges[i];
         size_t at = i;
-        for (; at > 0 && edge_less(&moved, &edges[at - 1]); at--) edges[at] = edges[at - 1];
+        for (; at > 0 && edge_less(&moved, &edges[at - 1]); --at) edges[at] = edges[at - 1];
         edges[at] = moved;
     }
 }
 
 static void merge(const star_edge *from, size_t begin, size_t middle, size_t end, star_edge *to) {
     size_t left = begin, right = middle;
-    for (size_t at = begin; at < end; at++) {
+    for (size_t at = begin; at < end; ++at) {
         const int take_right =
             left == middle || (right < end && edge_less(&from[right], &from[left]));
         to[at] = take_right ? from[right++] : from[left++];
@@ -91,7 +91,7 @@ void norma_core_sort_edges(core_star *star) {
  * n). */
 static void core_list_edges(core_star *star) {
     star->edge_count = 0;
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const star_corner *c = &star->corners[i];
         if (!(c->flags & STAR_KEPT)) continue;
         star->edges[star->edge_count++] =
@@ -162,8 +162,8 @@ static edge core_edge_at(const core_star *star, size_t begin, size_t *end) {
     const uint32_t other = star->edges[begin].other;
     while (middle < star->edge_count && star->edges[middle].other == other &&
            !star->edges[middle].back)
-        middle++;
-    for (stop = middle; stop < star->edge_count && star->edges[stop].other == other;) stop++;
+        ++middle;
+    for (stop = middle; stop < star->edge_count && star->edges[stop].other == other;) ++stop;
     *end = stop;
     return (edge){{star->edges + begin, middle - begin}, {star->edges + middle, stop - middle}};
 }
@@ -222,7 +222,7 @@ static const double LEAN =
 static int frame_of(
     const core_star *star, const edge *e, const double along[3], edge_frame *frame) {
     memcpy(frame->along, along, sizeof frame->along);
-    for (size_t i = 0; i < e->out.count; i++) {
+    for (size_t i = 0; i < e->out.count; ++i) {
         const star_corner *c = &star->corners[e->out.edges[i].corner];
         if (!(c->flags & STAR_HAS_NORMAL) || fabs(norma_core_dot(c->normal, along)) > LEAN)
             continue;
@@ -275,13 +275,13 @@ static int any_out(const fin_set *f, double angle, double width) {
 static void join_neighbours(const fin_set *f) {
     const double crease = f->prepared->crease.angle;
     if (!f->back_count) return;
-    for (size_t i = 0; i < f->out_count; i++) {
+    for (size_t i = 0; i < f->out_count; ++i) {
         const star_edge *out = &f->e->out.edges[f->out[i].edge];
         const size_t next = first_from(f->back, f->back_count, f->out[i].angle);
         join_pair(f, out, &f->e->back.edges[f->back[next < f->back_count ? next : 0].edge]);
         join_pair(f, out, &f->e->back.edges[f->back[next ? next - 1 : f->back_count - 1].edge]);
     }
-    for (size_t i = 0; i < f->back_count && f->back_count > 1; i++) {
+    for (size_t i = 0; i < f->back_count && f->back_count > 1; ++i) {
         const fin *a = &f->back[i], *b = &f->back[i + 1 < f->back_count ? i + 1 : 0];
         const double gap = b->angle - a->angle + (i + 1 < f->back_count ? 0 : 2 * NORMA_PI);
         const int near = any_out(f, a->angle + gap - crease, 2 * crease - gap);
@@ -296,7 +296,7 @@ static void join_neighbours(const fin_set *f) {
 /* Compares one face with all of the other side. */
 static void join_leaning(const fin_set *f, const star_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
-    for (size_t i = 0; i < other->count; i++) {
+    for (size_t i = 0; i < other->count; ++i) {
         if (other->edges[i].key == norma_core_key_of_twin(own->key)) /* its twins lie together */
             i = core_first_not_below(other, other->edges[i].key, 1) - 1;
         else
@@ -334,7 +334,7 @@ static size_t list_side(
     const edge_side *side = back ? &f->e->back : &f->e->out,
                     *other = back ? &f->e->out : &f->e->back;
     size_t count = 0;
-    for (size_t i = 0; i < side->count; i++) {
+    for (size_t i = 0; i < side->count; ++i) {
         const star_corner *c = &f->star->corners[side->edges[i].corner];
         if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
@@ -366,18 +366,18 @@ static void join_any_angle(
     enum { FIRST_KEYS = 3 };
     const star_edge *firsts[FIRST_KEYS];
     size_t count = 0;
-    for (size_t j = 0; j < other->count && count < FIRST_KEYS; j++) {
+    for (size_t j = 0; j < other->count && count < FIRST_KEYS; ++j) {
         if (!(f->star->corners[other->edges[j].corner].flags & STAR_HAS_NORMAL)) continue;
         firsts[count++] = &other->edges[j];
         j = core_first_not_below(other, other->edges[j].key, 1) - 1; /* on to the next key */
     }
-    for (size_t i = 0; i < own->count; i++) {
+    for (size_t i = 0; i < own->count; ++i) {
         const star_edge *mine = &own->edges[i];
         int found = 0;
-        for (size_t k = 0; k < count && found < 2; k++) {
+        for (size_t k = 0; k < count && found < 2; ++k) {
             if (firsts[k]->key == norma_core_key_of_twin(mine->key)) continue;
             join_pair(f, back ? firsts[k] : mine, back ? mine : firsts[k]);
-            found++;
+            ++found;
         }
     }
 }
@@ -399,7 +399,7 @@ static int core_join_crowded_edge(
     }
     if (!frame_of(star, e, along, &frame)) return 0;
     if (!groups) join_group(&f, &frame, 0);
-    for (int bit = 0; groups && bit < 32; bit++) join_group(&f, &frame, UINT32_C(1) << bit);
+    for (int bit = 0; groups && bit < 32; ++bit) join_group(&f, &frame, UINT32_C(1) << bit);
     return 1;
 }
 
@@ -423,7 +423,7 @@ static face_edge load_edge(const core_mesh *mesh, size_t face, size_t corner) {
 
 /* |from - to|^2 = from^2 - 2 from to + to^2 */
 static void add_square(exact_sum *sum, const face_edge *e, int negative) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         norma_exact_add(sum, (const double[]){e->from[k], e->from[k]}, 2, negative);
         norma_exact_add(sum, (const double[]){e->to[k], e->to[k]}, 2, negative);
         norma_exact_add(sum, (const double[]){2, e->from[k], e->to[k]}, 3, !negative);
@@ -445,7 +445,7 @@ static int is_longer(const face_edge *a, const face_edge *b) {
 /* The corner at which the face's longest edge begins; ties: the first one's. */
 static uint32_t core_longest_edge(const core_mesh *mesh, size_t face) {
     face_edge longest = {.corner = UINT32_MAX};
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         if (!norma_core_is_kept(mesh, face, c)) continue;
         const face_edge e = load_edge(mesh, face, c);
         if (longest.corner == UINT32_MAX || is_longer(&e, &longest)) longest = e;
@@ -465,7 +465,7 @@ static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const cor
 
 static void borrow_for_side(const core_prepared_mesh *prepared, const core_star *star,
     const edge_side *own, const edge_side *other, uint32_t *longest, uint32_t *borrowed_from) {
-    for (size_t i = 0; i < own->count; i++) {
+    for (size_t i = 0; i < own->count; ++i) {
         const star_corner *c = &star->corners[own->edges[i].corner];
         if (!(c->flags & STAR_FLAT)) continue;
         const uint32_t begin = own->edges[i].back ? c->previous_corner : c->corner;
@@ -493,11 +493,11 @@ void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_
 
 static uint32_t least_begin(const core_star *star, const edge *e) {
     uint32_t first = UINT32_MAX;
-    for (size_t i = 0; i < e->out.count; i++) {
+    for (size_t i = 0; i < e->out.count; ++i) {
         const uint32_t corner = star->corners[e->out.edges[i].corner].corner;
         if (corner < first) first = corner;
     }
-    for (size_t i = 0; i < e->back.count; i++) {
+    for (size_t i = 0; i < e->back.count; ++i) {
         const uint32_t corner = star->corners[e->back.edges[i].corner].previous_corner;
         if (corner < first) first = corner;
     }
@@ -505,7 +505,7 @@ static uint32_t least_begin(const core_star *star, const edge *e) {
 }
 
 static int each_has_one_partner(const edge_side *side, const edge_side *other) {
-    for (size_t i = 0; i < side->count; i++)
+    for (size_t i = 0; i < side->count; ++i)
         if (core_partners_of(&side->edges[i], other).count != 1) return 0;
     return 1;
 }
@@ -516,18 +516,18 @@ typedef struct pairs {
 
 static void count_edge(const core_star *star, const edge *e, pairs pair, star_counts *counts) {
     const size_t faces = e->out.count + e->back.count;
-    counts->edges.count++;
+    ++counts->edges.count;
     if (faces > 2 &&
         !(each_has_one_partner(&e->out, &e->back) && each_has_one_partner(&e->back, &e->out)))
         norma_core_count_one(&counts->non_manifold, least_begin(star, e));
     else if (faces == 2 && e->out.count != 1)
         norma_core_count_one(&counts->conflicts, least_begin(star, e));
     else if (faces == 1)
-        counts->edges.open++;
+        ++counts->edges.open;
     else if (pair.hard || !pair.smooth)
-        counts->edges.hard++;
+        ++counts->edges.hard;
     else
-        counts->edges.smooth++;
+        ++counts->edges.smooth;
 }
 
 /* ---- joining */
@@ -551,10 +551,10 @@ static void join_all_partners(
     if (e->out.count * e->back.count > MOST_PAIRS_TO_TRY &&
         core_join_crowded_edge(prepared, star, e, along))
         return;
-    for (size_t i = 0; i < e->out.count; i++) {
+    for (size_t i = 0; i < e->out.count; ++i) {
         const star_edge *out = &e->out.edges[i];
         if (!(star->corners[out->corner].flags & STAR_HAS_NORMAL)) continue; /* all hard */
-        for (size_t j = 0; j < e->back.count; j++) {
+        for (size_t j = 0; j < e->back.count; ++j) {
             const star_edge *back = &e->back.edges[j];
             if (!core_are_partners(out, back) || norma_core_set_of(star->joined, out->corner) ==
                                                      norma_core_set_of(star->joined, back->corner))
@@ -568,15 +568,15 @@ static void join_all_partners(
 static pairs join_only_partners(
     const core_prepared_mesh *prepared, core_star *star, const edge *e) {
     pairs pair = {0, 0};
-    for (size_t i = 0; i < e->out.count; i++) {
+    for (size_t i = 0; i < e->out.count; ++i) {
         const star_edge *out = &e->out.edges[i];
         const star_edge *back = core_mutual_partner(out, &e->out, &e->back);
         if (!back) continue;
         if (core_edge_is_smooth(prepared, star, out, back)) {
             norma_core_join_sets(star->joined, out->corner, back->corner);
-            pair.smooth++;
+            ++pair.smooth;
         } else {
-            pair.hard++;
+            ++pair.hard;
         }
     }
     return pair;
@@ -585,7 +585,7 @@ static pairs join_only_partners(
 /* A corner that the next one of its face repeats shares that one's fan. */
 static void join_repeated(const core_prepared_mesh *prepared, core_star *star) {
     if (!norma_core_kept_faces(prepared)) return;
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const star_corner *c = &star->corners[i];
         if ((c->flags & STAR_KEPT) || !(prepared->faces[c->face].flags & CORE_FACE_EDGED)) continue;
         const uint32_t next =
@@ -618,20 +618,20 @@ typedef struct plain_star {
 
 static int pair_up(const core_star *star, plain_star *o) {
     const int count = (int)star->count;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (!(star->corners[i].flags & STAR_KEPT)) return 0;
         o->next[i] = star->corners[i].next;
         o->previous[i] = star->corners[i].previous;
         o->met[i] = 0;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         int outs = 0, backs = 0, alike = 0;
         o->back[i] = NO_PARTNER;
-        for (int j = 0; j < count; j++) {
+        for (int j = 0; j < count; ++j) {
             outs += o->next[j] == o->next[i];
             alike += o->previous[j] == o->previous[i];
             if (o->previous[j] != o->next[i]) continue;
-            backs++;
+            ++backs;
             o->back[i] = j;
         }
         if (outs != 1 || alike != 1 || backs > 1) return 0;
@@ -648,7 +648,7 @@ static int join_plain(const core_prepared_mesh *prepared, core_star *star, star_
     plain_star o;
     norma_edges edges = {0, 0, 0, 0};
     if (star->count > FEW_CORNERS || !pair_up(star, &o)) return 0;
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const size_t counted = star->position < o.next[i];
         edges.count += counted;
         if (o.back[i] == NO_PARTNER) {
@@ -660,15 +660,15 @@ static int join_plain(const core_prepared_mesh *prepared, core_star *star, star_
             *(smooth ? &edges.smooth : &edges.hard) += counted;
         }
         if (o.met[i] || star->position >= o.previous[i]) continue;
-        edges.count++;
-        edges.open++;
+        ++edges.count;
+        ++edges.open;
     }
     if (counts) norma_core_edges_add(&counts->edges, &edges);
     return 1;
 }
 
 static void settle_fans(core_star *star) {
-    for (uint32_t i = 0; i < star->count; i++) star->joined[i] = norma_core_set_of(star->joined, i);
+    for (uint32_t i = 0; i < star->count; ++i) star->joined[i] = norma_core_set_of(star->joined, i);
 }
 
 void norma_core_star_join_listed(

@@ -17,7 +17,7 @@ CORE_INLINE void measure_waiting(
     norma_core_kernels(s->call->level)->measure(&b, s->call->options.weight);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
-    for (size_t i = 0; i < CORE_LANES; i++) {
+    for (size_t i = 0; i < CORE_LANES; ++i) {
         const uint32_t *at = list->at[first + i], place = list->place[first + i],
                        own = norma_core_welded(&s->mesh, at[0]),
                        next = norma_core_welded(&s->mesh, at[1]),
@@ -31,7 +31,7 @@ CORE_INLINE void measure_waiting(
 
 CORE_INLINE void measure_all_waiting(
     const core_prepared_mesh *s, star_list *list, kept_faces *out) {
-    for (uint32_t i = list->waiting; i % CORE_LANES; i++) {
+    for (uint32_t i = list->waiting; i % CORE_LANES; ++i) {
         memcpy(list->at[i], list->at[0], sizeof list->at[i]);
         list->place[i] = list->place[0];
     }
@@ -92,7 +92,7 @@ norma_result norma_core_kept_allocate(
     norma_result result = NORMA_OK;
     if (!(*kept = norma_core_allocate(call, count, sizeof **kept))) return NORMA_ERROR_MEMORY;
     memset(*kept, 0, count * sizeof **kept);
-    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
         atomic_init(&(*kept)[i].taken, 0);
         result = allocate_kept(call, room, &(*kept)[i]);
     }
@@ -103,7 +103,7 @@ norma_result norma_core_kept_allocate(
 }
 
 void norma_core_kept_release(const core_prepared_mesh *prepared, size_t count, kept_faces *kept) {
-    for (size_t i = 0; i < count && kept; i++)
+    for (size_t i = 0; i < count && kept; ++i)
         norma_core_release(prepared->call, kept[i].block, kept_bytes(kept[i].room) + LINE, 1);
     norma_core_release(prepared->call, kept, count, sizeof *kept);
 }
@@ -116,7 +116,7 @@ CORE_INLINE void read_face_corners(const core_mesh *mesh, size_t face, uint32_t 
     if (mesh->corners && mesh->corner_size == sizeof *at)
         memcpy(at, (const unsigned char *)mesh->corners + 3 * face * sizeof *at, 3 * sizeof *at);
     else
-        for (size_t k = 0; k < 3; k++) at[k] = norma_core_corner(mesh, 3 * face + k);
+        for (size_t k = 0; k < 3; ++k) at[k] = norma_core_corner(mesh, 3 * face + k);
 }
 
 /* The place of each corner's face, there already or once none waits. Which of the two is written
@@ -128,7 +128,7 @@ CORE_INLINE uint32_t find_places(kept_faces *kept, star_list *list, int near) {
     uint64_t *holds = kept->held;
     const size_t count = list->corner_count;
     uint32_t waiting = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t corner = corners[i], face = corner / 3, own = face & mask;
         const uint64_t held = holds[own];
         const int waits = (uint32_t)held != face,
@@ -146,7 +146,7 @@ CORE_INLINE uint32_t find_places(kept_faces *kept, star_list *list, int near) {
 static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
     const int near = list->corner_count && list->most / 3 - list->least / 3 < kept->room;
     list->waiting = near ? find_places(kept, list, 1) : find_places(kept, list, 0);
-    for (uint32_t i = 0; i < list->waiting; i++)
+    for (uint32_t i = 0; i < list->waiting; ++i)
         read_face_corners(mesh, list->face[i], list->at[i]);
 }
 
@@ -155,14 +155,14 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
 static void ask_for_faces_targets(const star_list *list) {
     const position_visit *visit = list->visit;
     const unsigned char *target = visit->target;
-    for (uint32_t i = 0; target && i < list->waiting; i++)
+    for (uint32_t i = 0; target && i < list->waiting; ++i)
         __builtin_prefetch(target + 3 * visit->target_size * list->face[i], 1);
 }
 
 static void read_polygon_corners(
     const core_prepared_mesh *prepared, const kept_faces *kept, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
-    for (size_t i = 0; i < list->corner_count; i++) {
+    for (size_t i = 0; i < list->corner_count; ++i) {
         const size_t corner = list->corners[i],
                      face = norma_core_face_of(&prepared->corners_of, corner);
         list->face[i] = (uint32_t)face;
@@ -176,9 +176,9 @@ static void read_polygon_corners(
 
 static void ask_for_positions(const core_prepared_mesh *prepared, const star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
-    for (size_t i = 0; i < list->waiting; i++) {
+    for (size_t i = 0; i < list->waiting; ++i) {
         if (norma_core_kept_faces(prepared)) __builtin_prefetch(&prepared->faces[list->face[i]]);
-        for (size_t k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; ++k) {
             const uint32_t at = list->at[i][k];
             __builtin_prefetch(
                 (const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
@@ -200,7 +200,7 @@ void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, 
 
 static void ask_for_targets(const star_list *list, const listed_star *star) {
     const position_visit *visit = list->visit;
-    for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; i++)
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; ++i)
         __builtin_prefetch(
             (const unsigned char *)visit->target + visit->target_size * list->corners[i], 1);
 }
@@ -210,7 +210,7 @@ static void ask_for_corners(const core_prepared_mesh *prepared, const listed_sta
     const core_mesh *mesh = &prepared->mesh;
     const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD,
                  listed = corners_of->starts[corners_of->position_count];
-    for (size_t i = begin; i < begin + star->count && i < listed && mesh->corners; i++)
+    for (size_t i = begin; i < begin + star->count && i < listed && mesh->corners; ++i)
         __builtin_prefetch(
             (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
 }
@@ -251,14 +251,14 @@ CORE_INLINE void measure_polygon_corner(polygon_lanes *t, size_t i, norma_weight
 }
 
 CORE_INLINE void measure_lanes(polygon_lanes *t, norma_weight weight) {
-    for (size_t i = 0; i < CORE_LANES; i++) measure_polygon_corner(t, i, weight);
+    for (size_t i = 0; i < CORE_LANES; ++i) measure_polygon_corner(t, i, weight);
 }
 
 /* What is known of the faces of eight corners. */
 CORE_INLINE void load_faces(const core_prepared_mesh *s, const uint32_t *faces, polygon_lanes *t) {
     core_rows rows;
     core_batch *e = &t->edges;
-    for (size_t i = 0; i < CORE_LANES; i++) {
+    for (size_t i = 0; i < CORE_LANES; ++i) {
         const size_t f = faces[i], corners = norma_core_face_end(&s->mesh, f) -
                                              norma_core_face_begin(&s->mesh, f);
         const core_face *face = &s->faces[f];
@@ -275,7 +275,7 @@ CORE_INLINE void load_faces(const core_prepared_mesh *s, const uint32_t *faces, 
 CORE_INLINE void weigh_polygons(const core_prepared_mesh *s, star_list *list, kept_faces *out) {
     const size_t count = list->corner_count;
     polygon_lanes t;
-    for (size_t i = count; i % CORE_LANES; i++) {
+    for (size_t i = count; i % CORE_LANES; ++i) {
         memcpy(list->at[i], list->at[0], sizeof list->at[i]);
         list->face[i] = list->face[0];
     }
@@ -285,11 +285,11 @@ CORE_INLINE void weigh_polygons(const core_prepared_mesh *s, star_list *list, ke
         load_faces(s, list->face + from, &t);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         core_lanes_to_rows(t.edges.normal[0], t.edges.normal[1], t.edges.normal[2], t.sure, &rows);
-        for (size_t i = 0; i < CORE_LANES && from + i < count; i++) {
+        for (size_t i = 0; i < CORE_LANES && from + i < count; ++i) {
             const uint32_t place = place_behind(out, from + i);
             memcpy(out->row[place], rows.row[i], sizeof rows.row[i]);
             out->row[place][4] = t.weight[i];
-            for (int k = 1; k < 3; k++)
+            for (int k = 1; k < 3; ++k)
                 out->at[place][k] = norma_core_welded(&s->mesh, list->at[from + i][k]);
         }
     }
@@ -348,13 +348,13 @@ CORE_INLINE int find_edges(
     const uint32_t *next = t->next + star->begin, *previous = t->previous + star->begin,
                    count = star->count, quads = corners / QUAD;
     quad odd = {0};
-    for (uint32_t q = 0; q < quads; q++) back[q] = out[q] = odd;
-    for (uint32_t k = 0; k < corners; k++)
-        for (uint32_t q = 0; q < quads; q++) {
+    for (uint32_t q = 0; q < quads; ++q) back[q] = out[q] = odd;
+    for (uint32_t k = 0; k < corners; ++k)
+        for (uint32_t q = 0; q < quads; ++q) {
             back[q] |= (quad)(load_quad(next + QUAD * q) == previous[k]) & (1U << k);
             out[q] |= (quad)(load_quad(previous + QUAD * q) == next[k]) & (1U << k);
         }
-    for (uint32_t q = 0; q < quads; q++) {
+    for (uint32_t q = 0; q < quads; ++q) {
         const quad own = (quad)(number_quad(QUAD * q) < count) & ((1U << count) - 1);
         back[q] &= own;
         out[q] &= own;
@@ -367,10 +367,10 @@ CORE_INLINE int find_edges(
  * twins; of triangles, twins share both edges. Two that are each other's only one stay. */
 CORE_INLINE void keep_only_partners(quad *back, const quad *out, uint32_t quads) {
     quad wanted = {0}; /* by one only */
-    for (uint32_t q = 0; q < quads; q++)
+    for (uint32_t q = 0; q < quads; ++q)
         wanted |= is_only_bit(out[q] & ~back[q]) & ((quad){1, 2, 4, 8} << (QUAD * q));
     const uint32_t all_wanted = any_of_quad(wanted);
-    for (uint32_t q = 0; q < quads; q++) {
+    for (uint32_t q = 0; q < quads; ++q) {
         const quad backs = back[q] & ~out[q];
         back[q] = backs & all_wanted & is_only_bit(backs);
     }
@@ -388,8 +388,8 @@ CORE_INLINE void name_others(fan_batch *t, uint32_t begin, uint32_t from, quad b
 static int some_run_alike(const fan_batch *t, const listed_star *star) {
     const uint32_t *next = t->next + star->begin, *previous = t->previous + star->begin;
     int alike = 0;
-    for (uint32_t i = 1; i < star->count; i++)
-        for (uint32_t k = 0; k < i; k++)
+    for (uint32_t i = 1; i < star->count; ++i)
+        for (uint32_t k = 0; k < i; ++k)
             alike |= (next[i] == next[k]) | (previous[i] == previous[k]);
     return alike;
 }
@@ -401,7 +401,7 @@ CORE_INLINE int meet_star(
     quad back[ORDINARY_CORNERS / QUAD], out[ORDINARY_CORNERS / QUAD];
     const int odd = find_edges(t, star, corners, back, out);
     if (odd) keep_only_partners(back, out, corners / QUAD);
-    for (uint32_t q = 0; q < corners / QUAD; q++)
+    for (uint32_t q = 0; q < corners / QUAD; ++q)
         name_others(t, star->begin, QUAD * q, back[q], out[q]);
     return !(plain && odd) && !(counting && some_run_alike(t, star));
 }
@@ -415,7 +415,7 @@ CORE_INLINE int meet_any_star(
         : star->count <= HALF ? meet_star(t, star, HALF, plain, counting)
                               : meet_star(t, star, 2 * HALF, plain, counting))
         return 1;
-    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) t->other[i] = i;
+    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; ++i) t->other[i] = i;
     return 0;
 }
 
@@ -435,7 +435,7 @@ CORE_INLINE row_lanes load_row(const double *row) {
  * of whether they are sure. */
 CORE_INLINE void multiply_normals(const uint32_t *key, fan_batch *t, size_t count) {
     const double *rows = t->kept->row[0];
-    for (size_t c = 0; c < count; c++) {
+    for (size_t c = 0; c < count; ++c) {
         const row_lanes product =
             load_row(rows + (key[c] & ~7U)) * load_row(rows + (key[t->other[c]] & ~7U));
         memcpy(t->row[c], &product, sizeof product);
@@ -444,7 +444,7 @@ CORE_INLINE void multiply_normals(const uint32_t *key, fan_batch *t, size_t coun
 
 /* Of all edges, without a branch: no branch could foretell any of it. */
 CORE_INLINE void find_cuts(const core_crease *crease, fan_batch *t, size_t count) {
-    for (size_t e = 0; e < count; e++) {
+    for (size_t e = 0; e < count; ++e) {
         const double *product = t->row[e], cosine = product[0] + product[1] + product[2];
         const int hard = norma_core_is_surely_hard(crease, cosine),
                   smooth = norma_core_is_surely_smooth(crease, cosine);
@@ -462,7 +462,7 @@ static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back)
 
 /* Edges that the caller marks as hard are cut, whatever their angle. */
 static void cut_marked(const core_prepared_mesh *s, const star_list *list, fan_batch *t) {
-    for (size_t c = 0; c < list->corner_count; c++)
+    for (size_t c = 0; c < list->corner_count; ++c)
         if (t->other[c] != c && !is_unmarked(s, list->corners[c], list->corners[t->other[c]]))
             t->edge[c] = EDGE_CUT | (t->edge[c] & EDGE_UNSURE);
 }
@@ -484,7 +484,7 @@ CORE_INLINE int is_one_fan(
     const uint32_t all = (1U << count) - 1, first = all & ~reached;
     uint32_t seen = 0, at = lowest(first ? first : 1);
     if (first & (first - 1)) return 0; /* two begin a fan */
-    for (uint32_t i = 0; i < corners; i++) {
+    for (uint32_t i = 0; i < corners; ++i) {
         seen |= 1U << at;
         at = l->to[at];
     }
@@ -519,7 +519,7 @@ CORE_INLINE int link_ordinary(
 /* Edges to positions of higher number, each with one face out and one back, or one alone. */
 static void count_edges(
     const fan_batch *t, const listed_star *star, const star_links *l, norma_edges *edges) {
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const uint32_t c = star->begin + i;
         const int is_open = !t->back[c];
         const size_t next = star->position < t->next[c],
@@ -548,8 +548,8 @@ CORE_INLINE uint32_t sum_fans(
     fan_batch *t, const uint32_t *key, const listed_star *star, const star_links *l) {
     uint32_t *fan_of = t->fan_of + star->begin;
     uint32_t left = (1U << star->count) - 1, first = left, fan = star->first_fan;
-    for (uint32_t c = 0; c < star->count; c++) first &= ~l->link[c];
-    for (; left; fan++) {
+    for (uint32_t c = 0; c < star->count; ++c) first &= ~l->link[c];
+    for (; left; ++fan) {
         const uint32_t before = left;
         uint32_t at = lowest(first & left ? first & left : left), next;
         do {
@@ -567,10 +567,10 @@ CORE_INLINE uint32_t sum_fans(
 CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_star *star) {
     const double *rows = t->kept->row[0];
     row_lanes sum = {0};
-    for (uint32_t i = 0; i < star->count; i++)
+    for (uint32_t i = 0; i < star->count; ++i)
         sum += load_row(rows + (key[i] & ~7U)) * rows[key[i] + 4];
     memcpy(t->row[star->first_fan], &sum, sizeof sum);
-    for (uint32_t i = 0; i < ORDINARY_CORNERS; i++) t->fan_of[star->begin + i] = star->first_fan;
+    for (uint32_t i = 0; i < ORDINARY_CORNERS; ++i) t->fan_of[star->begin + i] = star->first_fan;
 }
 
 /* Returns how many fans; 0: the star is not ordinary. */
@@ -596,7 +596,7 @@ CORE_INLINE uint32_t settle_star(
  * they are. */
 CORE_INLINE void decide(fan_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
-        for (size_t f = from; f < from + CORE_LANES; f++) {
+        for (size_t f = from; f < from + CORE_LANES; ++f) {
             const double x = t->row[f][0], y = t->row[f][1], z = t->row[f][2],
                          square = x * x + y * y + z * z, length = sqrt(square),
                          inverse = 1 / length;
@@ -616,7 +616,7 @@ _Static_assert(NORMA_REASON_NONE == 0, "a fan with a normal ends in zeros");
 
 CORE_INLINE void name_fans(fan_batch *t, size_t count) {
     t->all_decided = 1;
-    for (size_t f = 0; f < count; f++) {
+    for (size_t f = 0; f < count; ++f) {
         const fan_lanes fan = {t->direction[0][f], t->direction[1][f], t->direction[2][f], 0};
         memcpy(&t->fans[f], &fan, sizeof fan);
         if (t->decided[f] != 0) continue;
@@ -631,7 +631,7 @@ CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_
         weigh_polygons(s, list, t->kept);
     else
         measure_all_waiting(s, list, t->kept);
-    for (size_t i = 0; i < list->corner_count; i++) {
+    for (size_t i = 0; i < list->corner_count; ++i) {
         t->next[i] = at[list->key[i] + 1];
         t->previous[i] = at[list->key[i] + 2];
     }
@@ -641,17 +641,17 @@ CORE_INLINE int settle(
     const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     uint32_t fans = 0;
     int all = 1;
-    for (size_t i = 0; list->scattered && i < list->star_count; i++) {
+    for (size_t i = 0; list->scattered && i < list->star_count; ++i) {
         ask_for_targets(list, &list->stars[i]);
         ask_for_corners(s, &list->stars[i]);
     }
     measure_list(s, list, t);
-    for (size_t i = 0; i < list->star_count; i++)
+    for (size_t i = 0; i < list->star_count; ++i)
         list->stars[i].fan_count = (uint16_t)meet_any_star(s, t, &list->stars[i], edges != NULL);
     multiply_normals(list->key, t, list->corner_count);
     find_cuts(&s->crease, t, list->corner_count);
     if (s->mesh.hard_edges || s->mesh.smoothing_groups) cut_marked(s, list, t);
-    for (size_t i = 0; i < list->star_count; i++) {
+    for (size_t i = 0; i < list->star_count; ++i) {
         listed_star *star = &list->stars[i];
         star->first_fan = (uint16_t)fans;
         if (star->fan_count)

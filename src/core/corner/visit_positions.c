@@ -58,7 +58,7 @@ static norma_result list_corners(large_visit *l) {
         if (stops(l, begin)) return NORMA_CANCELLED;
         norma_core_star_fill(l->prepared, l->corners + begin,
             l->count - begin < STAR_ROOM ? l->count - begin : STAR_ROOM, 0, l->star);
-        for (size_t i = 0; i < l->star->count; i++) {
+        for (size_t i = 0; i < l->star->count; ++i) {
             const star_corner *c = &l->star->corners[i];
             l->large->fan[begin + i] = (uint32_t)(begin + i);
             if (!(c->flags & STAR_KEPT)) continue;
@@ -71,7 +71,7 @@ static norma_result list_corners(large_visit *l) {
 
 /* How far the entries of the same other position go. */
 static size_t run_end(const uint64_t *entries, size_t begin, size_t count, uint32_t other) {
-    while (begin < count && entries[begin] >> 32 == other) begin++;
+    while (begin < count && entries[begin] >> 32 == other) ++begin;
     return begin;
 }
 
@@ -87,17 +87,17 @@ static edge_run next_edge(const large_visit *l, const size_t at[2]) {
     const uint64_t *const lists[2] = {l->large->out, l->large->back};
     uint32_t other = UINT32_MAX;
     edge_run run = {{at[0], at[1]}, {0, 0}};
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < 2; ++side)
         if (at[side] < l->listed[side] && lists[side][at[side]] >> 32 < other)
             other = (uint32_t)(lists[side][at[side]] >> 32);
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < 2; ++side)
         run.end[side] = run_end(lists[side], at[side], l->listed[side], other);
     return run;
 }
 
 /* What the star found joined is joined. numbers: of its corners in the large one. */
 static void carry_over(const large_visit *l, core_star *star, const uint32_t *numbers) {
-    for (uint32_t i = 0; i < star->count; i++) {
+    for (uint32_t i = 0; i < star->count; ++i) {
         const uint32_t fan = norma_core_set_of(star->joined, i);
         if (fan != i) norma_core_join_sets(l->large->fan, numbers[i], numbers[fan]);
     }
@@ -108,14 +108,14 @@ static void carry_over(const large_visit *l, core_star *star, const uint32_t *nu
 static void join_run(const large_visit *l, const edge_run *run, core_star *star) {
     uint32_t *numbers = star->fan_of, *corners = (uint32_t *)(void *)star->sorted;
     size_t count = 0;
-    for (size_t i = run->begin[0]; i < run->end[0]; i++)
+    for (size_t i = run->begin[0]; i < run->end[0]; ++i)
         numbers[count++] = (uint32_t)l->large->out[i];
-    for (size_t i = run->begin[1]; i < run->end[1]; i++)
+    for (size_t i = run->begin[1]; i < run->end[1]; ++i)
         numbers[count++] = (uint32_t)l->large->back[i];
-    for (size_t i = 0; i < count; i++) corners[i] = l->corners[numbers[i]];
+    for (size_t i = 0; i < count; ++i) corners[i] = l->corners[numbers[i]];
     norma_core_star_fill(l->prepared, corners, count, 0, star);
     star->edge_count = count;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; ++i) {
         const star_corner *c = &star->corners[i];
         if (i < run->end[0] - run->begin[0])
             star->edges[i] = (star_edge){.key = c->next_key, .other = c->next, .corner = i};
@@ -142,7 +142,7 @@ static norma_result join_large_run(const large_visit *l, const edge_run *run) {
 
 static norma_result join_edges(const large_visit *l) {
     edge_run some = {{0, 0}, {0, 0}};
-    for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; edges++) {
+    for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; ++edges) {
         const edge_run run = next_edge(l, some.end);
         if (stops(l, edges)) return NORMA_CANCELLED;
         if (run_length(&run) + run_length(&some) > STAR_ROOM && run_length(&some)) {
@@ -166,17 +166,17 @@ static norma_result join_edges(const large_visit *l) {
 static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered) {
     uint32_t *fan = l->large->fan, sum = 0;
     memset(ends, 0, l->count * sizeof *ends);
-    for (size_t i = 0; i < l->count; i++) {
+    for (size_t i = 0; i < l->count; ++i) {
         fan[i] = fan[fan[i]];
-        ends[fan[i]]++;
+        ++ends[fan[i]];
     }
-    for (size_t i = 0; i < l->count; i++) {
+    for (size_t i = 0; i < l->count; ++i) {
         if (fan[i] != i) continue;
         const uint32_t count = ends[i];
         ends[i] = sum;
         sum += count;
     }
-    for (size_t i = 0; i < l->count; i++) ordered[ends[fan[i]]++] = l->corners[i];
+    for (size_t i = 0; i < l->count; ++i) ordered[ends[fan[i]]++] = l->corners[i];
 }
 
 static void see_fan(
@@ -197,11 +197,11 @@ static norma_result see_fans(const large_visit *l) {
              *ordered = (uint32_t *)(void *)l->large->back;
     size_t at = 0;
     order_by_fan(l, ends, ordered);
-    for (size_t first = 0; first < l->count; first++) {
+    for (size_t first = 0; first < l->count; ++first) {
         star_sum sum = {.votes = 0};
         const size_t begin = at;
         if (l->large->fan[first] != first) continue;
-        for (; at < ends[first]; at++) {
+        for (; at < ends[first]; ++at) {
             if (stops(l, at)) return NORMA_CANCELLED;
             if (at % STAR_ROOM == 0)
                 norma_core_star_fill(l->prepared, ordered + at,
@@ -229,7 +229,7 @@ static norma_result core_visit_large_star(const core_prepared_mesh *prepared,
     norma_core_star_in_room(&star, &room);
     norma_core_star_begin(prepared, position, &star);
     norma_result result = list_corners(&l);
-    if (result == NORMA_OK && star.waits) part->waiting++;
+    if (result == NORMA_OK && star.waits) ++part->waiting;
     if (result != NORMA_OK || star.waits) return result;
     norma_core_count_add(&part->tally.degenerate, &star.degenerate);
     norma_core_sort_numbers(large->out, l.listed[0]);
@@ -272,7 +272,7 @@ static void visit_position(
     norma_core_make_star(
         v->prepared, v->visit->join, position, v->visit->counting ? &part->counts : NULL, star);
     if (v->visit->join == CORE_JOIN_FANS && star->waits) {
-        part->waiting++;
+        ++part->waiting;
         return;
     }
     const core_fans fans = {position, (uint32_t)star->count, (uint32_t)star->fan_count,
@@ -295,7 +295,7 @@ static void visit_chunk_singly(const visit_all *v, size_t begin, size_t end, sta
     star_room room;
     core_star star;
     norma_core_star_in_room(&star, &room);
-    for (size_t p = begin; p < end; p++) {
+    for (size_t p = begin; p < end; ++p) {
         const size_t size = star_size(v, p);
         if (size > 0 && size <= STAR_ROOM) visit_position(v, (uint32_t)p, &star, part);
     }
@@ -306,7 +306,7 @@ static void visit_singly(const visit_all *v, const star_list *list, stars_part *
     star_room room;
     core_star star;
     norma_core_star_in_room(&star, &room);
-    for (size_t i = 0; i < list->star_count; i++)
+    for (size_t i = 0; i < list->star_count; ++i)
         if (list->stars[i].fan_count == 0) visit_position(v, list->stars[i].position, &star, part);
 }
 
@@ -317,7 +317,7 @@ static void write_ordinary(
     const core_output to = *output; /* known not to change with what is written */
     const uint32_t *corners = list->corners;
     const size_t count = list->corner_count;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         norma_core_write_normal(&to, corners[i], batch->fans[batch->fan_of[i]].normal);
 }
 
@@ -326,13 +326,13 @@ static void see_ordinary(
     star_member members[ORDINARY_CORNERS];
     uint32_t fan_of[ORDINARY_CORNERS];
     const core_corners_of_position *corners_of = &v->prepared->corners_of;
-    for (size_t i = 0; i < list->star_count; i++) {
+    for (size_t i = 0; i < list->star_count; ++i) {
         const listed_star *r = &list->stars[i];
         const core_fans fans = {r->position, r->count, r->fan_count,
             corners_of->corners + corners_of->starts[r->position], fan_of,
             batch->fans + r->first_fan, members, NULL};
         if (!r->fan_count) continue;
-        for (uint32_t c = 0; c < r->count; c++)
+        for (uint32_t c = 0; c < r->count; ++c)
             fan_of[c] = batch->fan_of[r->begin + c] - r->first_fan;
         v->visit->see(v->visit->context, &fans, &part->tally);
     }
@@ -346,7 +346,7 @@ static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_ba
                    *corners = v->prepared->corners_of.corners;
     uint32_t count = 0, stars = 0, least = UINT32_MAX, most = 0, widest = 0;
     list->corners = NULL;
-    for (; position < end; position++) {
+    for (; position < end; ++position) {
         const uint32_t size = starts[position + 1] - starts[position],
                        *at = corners + starts[position];
         if (!size || !star_size(v, position)) continue;
@@ -433,7 +433,7 @@ static norma_result visit_large_stars(const visit_all *v, stars_part *part) {
     if (most <= STAR_ROOM) return NORMA_OK;
     norma_result result = by_fan ? core_large_star_allocate(call, &large, most)
                                  : norma_core_star_allocate(call, &star, most);
-    for (size_t p = 0; p < v->prepared->mesh.positions.count && result == NORMA_OK; p++) {
+    for (size_t p = 0; p < v->prepared->mesh.positions.count && result == NORMA_OK; ++p) {
         if (starts[p + 1] - starts[p] <= STAR_ROOM || !star_size(v, p)) continue;
         if (by_fan)
             result = core_visit_large_star(v->prepared, v->visit, (uint32_t)p, &large, part);
@@ -469,7 +469,7 @@ static norma_result visit_in_parallel(visit_all *v, stars_part *sum) {
     if (result == NORMA_OK) result = norma_core_parallel(call, chunks, visit_chunk, v);
     norma_core_kept_release(v->prepared, v->kept_count, v->kept);
     if (result == NORMA_OK) result = visit_large_stars(v, sum);
-    for (size_t i = 0; i < chunks; i++) add_part(sum, &v->parts[i]);
+    for (size_t i = 0; i < chunks; ++i) add_part(sum, &v->parts[i]);
     norma_core_release(call, v->parts, chunks, sizeof *v->parts);
     return result;
 }

@@ -38,7 +38,7 @@ CORE_INLINE void core_add_corner(
 /* Corners of a range that is another's are passed over. */
 CORE_INLINE void core_add_lane(
     const core_adder *adder, const core_eight *e, int lane, norma_weight weight) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const uint32_t sum = core_eight_at(e, lane, k) - adder->first;
         if (sum < adder->count) core_add_corner(&adder->sums[sum], e, lane, k, weight);
     }
@@ -48,8 +48,8 @@ CORE_INLINE void core_add_lane(
 CORE_INLINE void core_add_all_lanes(
     const core_adder *adder, const core_eight *e, norma_weight weight) {
     const uintptr_t origin = (uintptr_t)adder->sums - adder->first * sizeof *adder->sums;
-    for (int i = 0; i < CORE_LANES; i++)
-        for (int k = 0; k < 3; k++)
+    for (int i = 0; i < CORE_LANES; ++i)
+        for (int k = 0; k < 3; ++k)
             core_add_corner(
                 (core_vertex_sum *)(origin + core_eight_at(e, i, k) * sizeof *adder->sums), e, i, k,
                 weight);
@@ -58,7 +58,7 @@ CORE_INLINE void core_add_all_lanes(
 /* By doubles, and its corners are at three places. Face f is the first of them. */
 CORE_INLINE int core_is_decided(const core_adder *adder, const core_eight *e, size_t f, int lane) {
     uint32_t at[3];
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         at[k] = adder->targets && adder->by_distance
                     ? norma_core_welded_corner(adder->mesh, 3 * (f + (size_t)lane) + (size_t)k)
                     : core_eight_at(e, lane, k);
@@ -77,7 +77,7 @@ CORE_INLINE void core_add_eight(
         core_add_all_lanes(adder, e, weight);
         return;
     }
-    for (int i = 0; i < lanes; i++) {
+    for (int i = 0; i < lanes; ++i) {
         if (core_is_decided(adder, e, f, i))
             core_add_lane(adder, e, i, weight);
         else
@@ -133,7 +133,7 @@ IN_VECTORS void weigh_eight(norma_weight weight, kept_eight *kept) {
 
 IN_VECTORS void keep_welded(const core_mesh *mesh, size_t f, kept_eight *kept) {
     memcpy(kept->at, corners_at(mesh, f), sizeof kept->at);
-    for (size_t c = 0; c < 3 * CORE_LANES; c++) kept->at[c] = mesh->weld[kept->at[c]];
+    for (size_t c = 0; c < 3 * CORE_LANES; ++c) kept->at[c] = mesh->weld[kept->at[c]];
 }
 
 IN_VECTORS void add_kept(
@@ -150,7 +150,7 @@ CORE_INLINE void ask_for_triangles(const core_adder *adder, size_t f) {
     const core_mesh *mesh = adder->mesh;
     const size_t begin = 3 * (f + AHEAD), end = begin + (size_t)3 * CORE_LANES,
                  map = (size_t)3 * AHEAD;
-    for (size_t c = begin; c < end && c < mesh->corner_count; c++) {
+    for (size_t c = begin; c < end && c < mesh->corner_count; ++c) {
         const uint32_t at = norma_core_corner(mesh, c);
         const unsigned char *position =
             (const unsigned char *)mesh->positions.data + at * mesh->positions.stride;
@@ -173,7 +173,7 @@ IN_VECTORS void add_weighted(
     kept_eight kept[2];
     opened_faces next;
     if (eights) open_faces(mesh, corners_at(mesh, begin), doubles, weight, &next);
-    for (size_t i = 0; i < eights; i++) {
+    for (size_t i = 0; i < eights; ++i) {
         const size_t f = begin + i * CORE_LANES;
         kept_eight *this = &kept[i % 2], *last = &kept[(i + 1) % 2];
         this->sure = 0;
@@ -204,7 +204,7 @@ IN_VECTORS void add_copied(const core_adder *adder, size_t f, int lanes, norma_w
         .positions = {points, 3 * CORE_LANES, sizeof points[0], NORMA_FORMAT_DOUBLE},
         .corners = names,
         .scale = 1};
-    for (int i = 0; i < 3 * CORE_LANES; i++) {
+    for (int i = 0; i < 3 * CORE_LANES; ++i) {
         const size_t corner = 3 * f + (size_t)(i / 3 < lanes ? i : i % 3);
         const uint32_t at = norma_core_corner(mesh, corner);
         norma_core_position(mesh, at, points[i]);
@@ -271,7 +271,7 @@ static const core_kernels KERNELS;
 /* Asks for the positions of a block to come. */
 static void ask_for_polygons(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t last = norma_core_face_begin(mesh, end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < last; c++) {
+    for (size_t c = norma_core_face_begin(mesh, begin); c < last; ++c) {
         const uint32_t at = norma_core_corner(mesh, c);
         const unsigned char *position =
             (const unsigned char *)mesh->positions.data + at * mesh->positions.stride;
@@ -283,8 +283,8 @@ static void ask_for_polygons(const core_mesh *mesh, size_t begin, size_t end) {
 
 static void ask_for_sums(
     const core_adder *adder, const core_measured *m, const uint32_t *sums, size_t faces) {
-    for (size_t i = 0; i < faces; i++)
-        for (size_t k = 0; k < m->corners[i]; k++) {
+    for (size_t i = 0; i < faces; ++i)
+        for (size_t k = 0; k < m->corners[i]; ++k) {
             const uint32_t sum = sums[m->first[i] + k] - adder->first;
             if (sum < adder->count) __builtin_prefetch(&adder->sums[sum], 1, 2);
         }
@@ -296,7 +296,7 @@ CORE_INLINE void add_corners(const core_adder *adder, const core_measured *m, co
     const size_t slot = m->slot[face];
     const core_lane *weight = m->weight[slot / CORE_LANES];
     const uint32_t *at = sums + m->first[face];
-    for (size_t k = 0; k < corners; k++) {
+    for (size_t k = 0; k < corners; ++k) {
         const uint32_t sum = at[k] - adder->first;
         if (owns_all || sum < adder->count)
             core_add_row(&adder->sums[sum].x, m->row[slot], weight[k][slot % CORE_LANES]);
@@ -305,7 +305,7 @@ CORE_INLINE void add_corners(const core_adder *adder, const core_measured *m, co
 
 CORE_INLINE void add_block(const core_adder *adder, const core_measured *m, const uint32_t *sums,
     size_t begin, size_t faces) {
-    for (size_t i = 0; i < faces; i++) {
+    for (size_t i = 0; i < faces; ++i) {
         if (!m->corners[i])
             adder->add_alone(adder->context, begin + i);
         else if (m->corners[i] == 4 && adder->owns_all)

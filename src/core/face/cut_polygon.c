@@ -50,18 +50,18 @@ static int flatten(core_cutter *c, size_t count) {
     memcpy(first, c->points[0], sizeof first);
     memset(c->area, 0, sizeof c->area);
     c->count = count;
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++) c->points[i][k] -= first[k];
-    for (size_t i = 1; i + 1 < count; i++)
-        for (int k = 0; k < 3; k++) {
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k) c->points[i][k] -= first[k];
+    for (size_t i = 1; i + 1 < count; ++i)
+        for (int k = 0; k < 3; ++k) {
             const double *a = c->points[i], *b = c->points[i + 1];
             area[k] += a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
         }
     int axis = 0;
-    for (int k = 1; k < 3; k++)
+    for (int k = 1; k < 3; ++k)
         if (fabs(area[k]) > fabs(area[axis])) axis = k;
     if (!(fabs(area[axis]) > 0) || !norma_core_finite(area)) return 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         c->flat[i][0] = c->points[i][(axis + 1) % 3];
         c->flat[i][1] = c->points[i][(axis + 2) % 3] * (area[axis] > 0 ? 1 : -1);
     }
@@ -70,7 +70,7 @@ static int flatten(core_cutter *c, size_t count) {
 
 int norma_core_polygon_fans(core_cutter *c, size_t count) {
     if (count <= 3 || !flatten(c, count)) return 1;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (turn(c->flat[i], c->flat[(i + 1) % count], c->flat[(i + 2) % count]) < 0) return 0;
     return 1;
 }
@@ -91,7 +91,7 @@ static int is_ear(core_cutter *c, size_t place) {
     const ear e = ear_at(c, place);
     const double *p = c->flat[e.before], *q = c->flat[e.at], *r = c->flat[e.after];
     if (!(turn(p, q, r) > 0)) return 0;
-    for (; c->checked[e.at] < c->count; c->checked[e.at]++) {
+    for (; c->checked[e.at] < c->count; ++c->checked[e.at]) {
         const uint32_t k = c->checked[e.at];
         const double *other = c->flat[k];
         if (!c->work) return 0;
@@ -134,7 +134,7 @@ static double cut_length(const core_cutter *c, size_t place) {
 static size_t find_ear(core_cutter *c) {
     size_t best = c->left_count;
     double best_agreement = 0, best_length = 0;
-    for (size_t i = 0; i < c->left_count; i++) {
+    for (size_t i = 0; i < c->left_count; ++i) {
         if (!is_ear(c, i)) continue;
         use_work(c, AGREEMENT_WORK);
         const double how = cut_agreement(c, i), length = cut_length(c, i);
@@ -156,13 +156,13 @@ static void cut_off(core_cutter *c, size_t place, uint32_t triangle[3]) {
     c->gone[e.at] = 1;
     c->checked[e.before] = c->checked[e.after] = 0; /* they have other triangles now */
     memmove(c->left + place, c->left + place + 1, (c->left_count - place - 1) * sizeof *c->left);
-    c->left_count--;
+    --c->left_count;
 }
 
 size_t norma_core_cut_polygon(core_cutter *c, size_t count, uint32_t *triangles) {
     const int has_area = flatten(c, count);
     size_t done = 0;
-    for (c->left_count = 0; c->left_count < count; c->left_count++)
+    for (c->left_count = 0; c->left_count < count; ++c->left_count)
         c->left[c->left_count] = (uint32_t)c->left_count;
     memset(c->gone, 0, count);
     memset(c->checked, 0, count * sizeof *c->checked);
@@ -173,7 +173,7 @@ size_t norma_core_cut_polygon(core_cutter *c, size_t count, uint32_t *triangles)
         cut_off(c, best, triangles + 3 * done++);
     }
     uint32_t *to = triangles + 3 * done;
-    for (size_t i = 1; i + 1 < c->left_count; i++, to += 3) {
+    for (size_t i = 1; i + 1 < c->left_count; ++i, to += 3) {
         to[0] = c->left[0];
         to[1] = c->left[i];
         to[2] = c->left[i + 1];

@@ -168,11 +168,11 @@ CORE_INLINE core_d4 core_load_three_doubles(const unsigned char *at) {
 
 CORE_INLINE void core_gather_doubles(core_points p, int k, core_d8 axis[3]) {
     core_d4 r[2][4];
-    for (int i = 0; i < CORE_LANES; i++)
+    for (int i = 0; i < CORE_LANES; ++i)
         r[i / 4][i % 4] = core_load_three_doubles(core_point_at(p, i, k));
     core_turn_rows(r[0]);
     core_turn_rows(r[1]);
-    for (int x = 0; x < 3; x++)
+    for (int x = 0; x < 3; ++x)
         axis[x] = __builtin_shufflevector(r[0][x], r[1][x], 0, 1, 2, 3, 4, 5, 6, 7) * p.scale;
 }
 
@@ -186,14 +186,14 @@ CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
         core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
     core_f8 floats[3];
     core_turn_threes(r, floats);
-    for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
+    for (int x = 0; x < 3; ++x) axis[x] = __builtin_convertvector(floats[x], core_d8);
 }
 
 /* The edges of triangles. */
 CORE_INLINE void core_gather_edges(core_points p, core_batch *out) {
     core_d8 corner[3][3];
-    for (int k = 0; k < 3; k++) core_gather_corners(p, k, corner[k]);
-    for (int x = 0; x < 3; x++) {
+    for (int k = 0; k < 3; ++k) core_gather_corners(p, k, corner[k]);
+    for (int x = 0; x < 3; ++x) {
         const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x],
                       a = corner[2][x] - corner[1][x];
         memcpy(out->u[x], &u, sizeof u);
@@ -208,7 +208,7 @@ CORE_INLINE void core_lanes_to_rows(
         core_d4 r[4] = {
             core_load_row(x + i), core_load_row(y + i), core_load_row(z + i), core_load_row(w + i)};
         core_turn_rows(r);
-        for (int k = 0; k < 4; k++) core_store_row(out->row[i + k], r[k]);
+        for (int k = 0; k < 4; ++k) core_store_row(out->row[i + k], r[k]);
     }
 }
 
@@ -239,19 +239,19 @@ CORE_INLINE void core_read_point(core_points points, int i, int k, double p[3]) 
     const unsigned char *at = core_point_at(points, i, k);
     if (points.doubles) {
         memcpy(p, at, 3 * sizeof *p);
-        for (int x = 0; x < 3; x++) p[x] *= points.scale;
+        for (int x = 0; x < 3; ++x) p[x] *= points.scale;
         return;
     }
     float floats[3];
     memcpy(floats, at, sizeof floats);
-    for (int x = 0; x < 3; x++) p[x] = (double)floats[x];
+    for (int x = 0; x < 3; ++x) p[x] = (double)floats[x];
 }
 
 CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
-    for (int i = 0; i < CORE_LANES; i++) {
+    for (int i = 0; i < CORE_LANES; ++i) {
         double p[3][3];
-        for (int k = 0; k < 3; k++) core_read_point(points, i, k, p[k]);
-        for (int x = 0; x < 3; x++) {
+        for (int k = 0; k < 3; ++k) core_read_point(points, i, k, p[k]);
+        for (int x = 0; x < 3; ++x) {
             out->u[x][i] = p[1][x] - p[0][x];
             out->v[x][i] = p[2][x] - p[0][x];
             out->a[x][i] = p[2][x] - p[1][x];
@@ -260,7 +260,7 @@ CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
 }
 
 CORE_INLINE void core_threes_to_lanes(const void *from, int count, float *x, float *y, float *z) {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const char *at = (const char *)from + 12 * (size_t)i;
         memcpy(x + i, at, sizeof *x);
         memcpy(y + i, at + 4, sizeof *y);
@@ -270,13 +270,13 @@ CORE_INLINE void core_threes_to_lanes(const void *from, int count, float *x, flo
 
 CORE_INLINE void core_lanes_to_threes(
     const float *x, const float *y, const float *z, int count, void *to) {
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; ++i)
         memcpy((char *)to + 12 * (size_t)i, (const float[]){x[i], y[i], z[i]}, 12);
 }
 
 CORE_INLINE void core_lanes_to_rows(
     const double *x, const double *y, const double *z, const double *w, core_rows *out) {
-    for (int i = 0; i < CORE_LANES; i++) {
+    for (int i = 0; i < CORE_LANES; ++i) {
         out->row[i][0] = x[i];
         out->row[i][1] = y[i];
         out->row[i][2] = z[i];
@@ -286,7 +286,7 @@ CORE_INLINE void core_lanes_to_rows(
 
 CORE_INLINE void core_rows_to_lanes(
     const double (*rows)[4], double *x, double *y, double *z, double *w) {
-    for (int i = 0; i < CORE_LANES; i++) {
+    for (int i = 0; i < CORE_LANES; ++i) {
         x[i] = rows[i][0];
         y[i] = rows[i][1];
         z[i] = rows[i][2];
@@ -295,11 +295,11 @@ CORE_INLINE void core_rows_to_lanes(
 }
 
 CORE_INLINE void core_add_row(double *sum, const double *row, double factor) {
-    for (int k = 0; k < 4; k++) sum[k] += row[k] * factor;
+    for (int k = 0; k < 4; ++k) sum[k] += row[k] * factor;
 }
 
 CORE_INLINE void core_add_whole(double *sum, const double *row) {
-    for (int k = 0; k < 4; k++) sum[k] += row[k];
+    for (int k = 0; k < 4; ++k) sum[k] += row[k];
 }
 #endif
 
@@ -311,8 +311,8 @@ CORE_INLINE void core_load_edges(
         core_gather_edges(core_points_of(mesh, *at, 3), batch);
         return;
     }
-    for (int i = 0; i < CORE_LANES; i++) {
-        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[i][k], p[k]);
+    for (int i = 0; i < CORE_LANES; ++i) {
+        for (int k = 0; k < 3; ++k) norma_core_position(mesh, at[i][k], p[k]);
         core_set_edges(batch, i, (const double(*)[3])p);
     }
 }
@@ -329,7 +329,7 @@ typedef struct core_lengths {
 CORE_INLINE void core_lanes_lengths(const core_vertex_sum *sums, core_lengths *out, double *fine) {
     core_lane x, y, z, weight;
     core_rows_to_lanes((const double(*)[4])(const void *)sums, x, y, z, weight);
-    for (int i = 0; i < CORE_LANES; i++) {
+    for (int i = 0; i < CORE_LANES; ++i) {
         const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i], length = sqrt(square);
         const int is_fine = (square > NORMA_TINIEST) & (square < NORMA_HUGEST) &
                             (length > 0x1p-20 * weight[i]) & (weight[i] > 0);
@@ -343,7 +343,7 @@ CORE_INLINE void core_lanes_lengths(const core_vertex_sum *sums, core_lengths *o
 
 CORE_INLINE void core_lanes_directions(const core_lengths *of, float (*normals)[3]) {
     float out[3][CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++) {
+    for (int i = 0; i < CORE_LANES; ++i) {
         const double inverse = 1 / of->length[i];
         out[0][i] = (float)(of->x[i] * inverse) + 0.0F;
         out[1][i] = (float)(of->y[i] * inverse) + 0.0F;

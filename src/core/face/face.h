@@ -21,9 +21,9 @@ typedef double core_lane[CORE_LANES];
 /* Before a short loop over lanes: this compiler unrolls such loops before it looks whether they are
  * vectors, and then finds none. */
 #if defined(__GNUC__) && !defined(__clang__)
-#define CORE_EACH_LANE _Pragma("GCC unroll 1") for (int i = 0; i < CORE_LANES; i++)
+#define CORE_EACH_LANE _Pragma("GCC unroll 1") for (int i = 0; i < CORE_LANES; ++i)
 #else
-#define CORE_EACH_LANE for (int i = 0; i < CORE_LANES; i++)
+#define CORE_EACH_LANE for (int i = 0; i < CORE_LANES; ++i)
 #endif
 
 typedef struct core_batch {
@@ -38,7 +38,7 @@ typedef struct core_batch {
 
 /* Of a triangle, from the positions of its corners. */
 CORE_INLINE void core_set_edges(core_batch *batch, int lane, const double p[3][3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         batch->u[k][lane] = p[1][k] - p[0][k];
         batch->v[k][lane] = p[2][k] - p[0][k];
         batch->a[k][lane] = p[2][k] - p[1][k];
@@ -147,7 +147,7 @@ static inline int norma_core_triangle(
     double cross[3];
     norma_core_cross(u, v, cross);
     const double square = norma_core_dot(cross, cross), length = sqrt(square), inverse = 1 / length;
-    for (int k = 0; k < 3; k++) normal[k] = cross[k] * inverse;
+    for (int k = 0; k < 3; ++k) normal[k] = cross[k] * inverse;
     *twice_area = length;
     return norma_core_triangle_is_sure(square, norma_core_dot(u, v));
 }

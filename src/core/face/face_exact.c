@@ -25,9 +25,9 @@ static uint64_t integer_and_exponent(double value, int *exponent) {
 static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by) {
     const uint32_t half[2] = {(uint32_t)by, (uint32_t)(by >> 32)};
     uint32_t result[PRODUCT_LIMBS] = {0};
-    for (int h = 0; h < 2; h++) {
+    for (int h = 0; h < 2; ++h) {
         uint64_t carry = 0;
-        for (int i = 0; i + h < PRODUCT_LIMBS; i++) {
+        for (int i = 0; i + h < PRODUCT_LIMBS; ++i) {
             carry += (uint64_t)product[i] * half[h] + result[i + h];
             result[i + h] = (uint32_t)carry;
             carry >>= 32;
@@ -38,13 +38,13 @@ static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by) {
 
 static void shift_left(uint32_t product[PRODUCT_LIMBS], int bits) {
     if (bits == 0) return;
-    for (int i = PRODUCT_LIMBS - 1; i >= 0; i--)
+    for (int i = PRODUCT_LIMBS - 1; i >= 0; --i)
         product[i] = product[i] << bits | (i ? product[i - 1] >> (32 - bits) : 0);
 }
 
 static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int limb, int negative) {
     uint64_t carry = negative ? 1 : 0; /* minus x is the complement of x, plus one */
-    for (int i = limb; i < EXACT_SUM_LIMBS; i++) {
+    for (int i = limb; i < EXACT_SUM_LIMBS; ++i) {
         const uint32_t digit = i - limb < PRODUCT_LIMBS ? product[i - limb] : 0;
         carry += (uint64_t)sum->limb[i] + (negative ? (uint32_t)~digit : digit);
         sum->limb[i] = (uint32_t)carry;
@@ -56,7 +56,7 @@ static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int li
 void norma_exact_add(exact_sum *sum, const double *factors, int count, int negative) {
     uint32_t product[PRODUCT_LIMBS] = {1};
     int exponent = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (factors[i] == 0.0) return;
         int e;
         multiply(product, integer_and_exponent(factors[i], &e));
@@ -71,7 +71,7 @@ void norma_exact_add(exact_sum *sum, const double *factors, int count, int negat
 
 static void negate(exact_sum *sum) {
     uint64_t carry = 1;
-    for (int i = 0; i < EXACT_SUM_LIMBS; i++) {
+    for (int i = 0; i < EXACT_SUM_LIMBS; ++i) {
         carry += (uint32_t)~sum->limb[i];
         sum->limb[i] = (uint32_t)carry;
         carry >>= 32;
@@ -83,22 +83,22 @@ scaled_number norma_exact_round(const exact_sum *sum) {
     const int negative = s.limb[EXACT_SUM_LIMBS - 1] >> 31 != 0;
     if (negative) negate(&s);
     int top = EXACT_SUM_LIMBS - 1;
-    while (top >= 0 && !s.limb[top]) top--;
+    while (top >= 0 && !s.limb[top]) --top;
     if (top < 0) return (scaled_number){0.0, 0};
 
     int leading = 0;
-    while (!(s.limb[top] >> (31 - leading))) leading++;
+    while (!(s.limb[top] >> (31 - leading))) ++leading;
     const uint32_t high = s.limb[top], middle = top > 0 ? s.limb[top - 1] : 0,
                    low = top > 1 ? s.limb[top - 2] : 0;
     uint64_t bits = ((uint64_t)high << 32 | middle)
                     << leading; /* the highest 64 bits; below them: sticky */
     if (leading) bits |= low >> (32 - leading);
     int sticky = leading < 32 && (uint32_t)(low << leading) != 0;
-    for (int i = top - 3; i >= 0 && !sticky; i--) sticky = s.limb[i] != 0;
+    for (int i = top - 3; i >= 0 && !sticky; --i) sticky = s.limb[i] != 0;
 
     const uint64_t rest = bits & 0x7ff, half = 0x400;
     bits >>= 11;
-    if (rest > half || (rest == half && (sticky || (bits & 1)))) bits++;
+    if (rest > half || (rest == half && (sticky || (bits & 1)))) ++bits;
     scaled_number rounded = norma_scaled_from_double((double)bits);
     rounded.exponent += top * 32 + 31 - leading - 52 + LOWEST_BIT;
     if (negative) rounded.mantissa = -rounded.mantissa;
@@ -128,10 +128,10 @@ __extension__ typedef unsigned __int128 unsigned_wide;
 static int bit_range(
     exact_point *point, const void *context, size_t count, int *least, int *highest) {
     int any = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double p[3];
         point(context, i, p);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             if (p[k] == 0) continue;
             int exponent;
             uint64_t mantissa = (uint64_t)ldexp(fabs(frexp(p[k], &exponent)), 53);
@@ -139,7 +139,7 @@ static int bit_range(
             int bottom = exponent - 53;
             while (!(mantissa & 1)) {
                 mantissa >>= 1;
-                bottom++;
+                ++bottom;
             }
             if (!any || bottom < *least) *least = bottom;
             if (!any || top > *highest) *highest = top;
@@ -155,7 +155,7 @@ static void integer_point(
     exact_point *point, const void *context, size_t index, int unit, int64_t out[3]) {
     double p[3];
     point(context, index, p);
-    for (int k = 0; k < 3; k++) out[k] = (int64_t)ldexp(p[k], -unit);
+    for (int k = 0; k < 3; ++k) out[k] = (int64_t)ldexp(p[k], -unit);
 }
 
 static double wide_to_double(wide value) {
@@ -170,9 +170,9 @@ static void wide_area(
     int64_t origin[3], p[3], u[3], v[3] = {0, 0, 0};
     wide sum[3] = {0, 0, 0};
     integer_point(point, context, 0, unit, origin);
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         integer_point(point, context, i, unit, p);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             u[k] = v[k];
             v[k] = p[k] - origin[k];
         }
@@ -180,7 +180,7 @@ static void wide_area(
         sum[1] += (wide)u[2] * v[0] - (wide)u[0] * v[2];
         sum[2] += (wide)u[0] * v[1] - (wide)u[1] * v[0];
     }
-    for (int k = 0; k < 3; k++) area[k] = wide_to_double(sum[k]);
+    for (int k = 0; k < 3; ++k) area[k] = wide_to_double(sum[k]);
 }
 
 /* ---- as many words as it takes: two's complement, least word first, all of one length */
@@ -205,11 +205,11 @@ static void integer_from_double(double value, int unit, int words, integer *out)
     const uint64_t bits = shift < 0 ? mantissa >> -shift : mantissa;
     const int at = shift < 0 ? 0 : shift / 32, within = shift < 0 ? 0 : shift % 32;
     const unsigned_wide placed = (unsigned_wide)bits << within;
-    for (int i = 0; i < 3 && at + i < words; i++)
+    for (int i = 0; i < 3 && at + i < words; ++i)
         out->word[at + i] = (uint32_t)(placed >> (32 * i));
     if (value > 0) return;
     uint64_t carry = 1;
-    for (int i = 0; i < words; i++) {
+    for (int i = 0; i < words; ++i) {
         carry += (uint32_t)~out->word[i];
         out->word[i] = (uint32_t)carry;
         carry >>= 32;
@@ -218,7 +218,7 @@ static void integer_from_double(double value, int unit, int words, integer *out)
 
 static void integer_subtract(const integer *a, const integer *b, int words, integer *out) {
     uint64_t carry = 1;
-    for (int i = 0; i < words; i++) {
+    for (int i = 0; i < words; ++i) {
         carry += (uint64_t)a->word[i] + (uint32_t)~b->word[i];
         out->word[i] = (uint32_t)carry;
         carry >>= 32;
@@ -231,17 +231,17 @@ static void integer_add_product(
     const integer *a, const integer *b, int subtract, int words, integer *sum) {
     integer product;
     memset(&product, 0, sizeof product);
-    for (int i = 0; i < words; i++) {
+    for (int i = 0; i < words; ++i) {
         uint64_t carry = 0;
         if (!a->word[i]) continue;
-        for (int j = 0; i + j < words; j++) {
+        for (int j = 0; i + j < words; ++j) {
             carry += (uint64_t)a->word[i] * b->word[j] + product.word[i + j];
             product.word[i + j] = (uint32_t)carry;
             carry >>= 32;
         }
     }
     uint64_t carry = subtract ? 1 : 0;
-    for (int i = 0; i < words; i++) {
+    for (int i = 0; i < words; ++i) {
         carry += (uint64_t)sum->word[i] + (subtract ? (uint32_t)~product.word[i] : product.word[i]);
         sum->word[i] = (uint32_t)carry;
         carry >>= 32;
@@ -257,7 +257,7 @@ static int integer_magnitude(integer *value, int words) {
 }
 
 static int top_word(const integer *value, int words) {
-    while (words > 0 && !value->word[words - 1]) words--;
+    while (words > 0 && !value->word[words - 1]) --words;
     return words;
 }
 
@@ -265,13 +265,13 @@ static int top_word(const integer *value, int words) {
  * bits of the largest. */
 static int integers_to_doubles(integer sum[3], int words, double out[3], int *exponent) {
     int negative[3], top = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         negative[k] = integer_magnitude(&sum[k], words);
         const int highest = top_word(&sum[k], words);
         if (highest > top) top = highest;
     }
     const int base = top > 3 ? top - 3 : 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double value =
             ((double)sum[k].word[base + 2] * 0x1p32 + (double)sum[k].word[base + 1]) * 0x1p32 +
             (double)sum[k].word[base];
@@ -288,15 +288,15 @@ static int long_area(exact_point *point, const void *context, size_t count, int 
     point(context, 0, at);
     memset(v, 0, sizeof v);
     memset(sum, 0, sizeof sum);
-    for (int k = 0; k < 3; k++) integer_from_double(at[k], unit, words, &origin[k]);
-    for (size_t i = 1; i < count; i++) {
+    for (int k = 0; k < 3; ++k) integer_from_double(at[k], unit, words, &origin[k]);
+    for (size_t i = 1; i < count; ++i) {
         point(context, i, at);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             u[k] = v[k];
             integer_from_double(at[k], unit, words, &p);
             integer_subtract(&p, &origin[k], words, &v[k]);
         }
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             integer_add_product(&u[(k + 1) % 3], &v[(k + 2) % 3], 0, words, &sum[k]);
             integer_add_product(&u[(k + 2) % 3], &v[(k + 1) % 3], 1, words, &sum[k]);
         }
@@ -306,7 +306,7 @@ static int long_area(exact_point *point, const void *context, size_t count, int 
 
 static int bits_of(size_t count) {
     int bits = 0;
-    for (; count; count >>= 1) bits++;
+    for (; count; count >>= 1) ++bits;
     return bits;
 }
 
@@ -336,7 +336,7 @@ int norma_core_exact_area(
  * and multiplied with the corner's a double at a time. */
 
 static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const int x = (k + 1) % 3, y = (k + 2) % 3;
         norma_exact_add(&area[k], (const double[]){p[x], q[y]}, 2, 0);
         norma_exact_add(&area[k], (const double[]){p[y], q[x]}, 2, 1);
@@ -346,11 +346,11 @@ static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
 void norma_core_sum_polygon(
     exact_point *point, const void *context, size_t count, exact_area *area) {
     double first[3], p[3], q[3];
-    for (int k = 0; k < 3; k++) norma_exact_clear(&area->sum[k]);
+    for (int k = 0; k < 3; ++k) norma_exact_clear(&area->sum[k]);
     area->known = 1;
     point(context, 0, first);
     memcpy(q, first, sizeof q);
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         memcpy(p, q, sizeof p);
         point(context, i, q);
         add_cross(area->sum, p, q);
@@ -375,11 +375,11 @@ int norma_core_turns_back(
     exact_sum turn;
     double part[2];
     norma_exact_clear(&turn);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         exact_sum rest = area->sum[k];
         while (leading_part(&rest, part)) {
             const int x = (k + 1) % 3, y = (k + 2) % 3;
-            for (int i = 0; i < 3; i++) {
+            for (int i = 0; i < 3; ++i) {
                 const double *p = corner[i], *q = corner[i + 1];
                 norma_exact_add(&turn, (const double[]){part[0], part[1], p[x], q[y]}, 4, 0);
                 norma_exact_add(&turn, (const double[]){part[0], part[1], p[y], q[x]}, 4, 1);

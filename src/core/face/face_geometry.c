@@ -21,13 +21,13 @@ static void kept_point(const void *context, size_t index, double point[3]) {
     if (index == 0)
         walk->corner = norma_core_face_begin(walk->mesh, walk->face);
     else
-        walk->corner++;
-    while (!norma_core_is_kept(walk->mesh, walk->face, walk->corner)) walk->corner++;
+        ++walk->corner;
+    while (!norma_core_is_kept(walk->mesh, walk->face, walk->corner)) ++walk->corner;
     norma_core_position(walk->mesh, norma_core_corner(walk->mesh, walk->corner), point);
 }
 
 static void set_direction(core_face *out, const double area[3], double length) {
-    for (int k = 0; k < 3; k++) out->normal[k] = area[k] / length;
+    for (int k = 0; k < 3; ++k) out->normal[k] = area[k] / length;
     out->twice_area = length;
     out->flags |= CORE_FACE_DIRECTED;
 }
@@ -65,7 +65,7 @@ static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out
     const size_t c = norma_core_face_begin(mesh, face);
     triangle_points p;
     uint32_t at[3], welded[3];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         at[k] = norma_core_corner(mesh, c + (size_t)k);
         welded[k] = norma_core_welded(mesh, at[k]);
         norma_core_position(mesh, at[k], p[k]);
@@ -84,7 +84,7 @@ static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out
 static void polygon_outline(const core_mesh *mesh, size_t face, core_face *out) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     int finite = 1;
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         finite &= norma_core_finite(p);
@@ -100,12 +100,12 @@ static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out
     double origin[3], p[3], u[3] = {0, 0, 0}, v[3] = {0, 0, 0}, term[3], area[3] = {0, 0, 0},
                             size = 0;
     kept_point(&walk, 0, origin);
-    for (uint32_t i = 1; i < out->kept; i++) {
+    for (uint32_t i = 1; i < out->kept; ++i) {
         memcpy(u, v, sizeof u);
         kept_point(&walk, i, p);
         norma_core_subtract(p, origin, v);
         norma_core_cross(u, v, term);
-        for (int k = 0; k < 3; k++) area[k] += term[k];
+        for (int k = 0; k < 3; ++k) area[k] += term[k];
         size += norma_core_dot(v, v); /* at least the sum of the |u| |v| */
     }
     const double square = norma_core_dot(area, area);
@@ -136,9 +136,9 @@ unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *me
     norma_weight weight, const size_t *faces, size_t count, core_batch *batch) {
     uint32_t at[CORE_LANES][3];
     unsigned decided = 0, edged = 0;
-    for (size_t i = 0; i < CORE_LANES; i++) {
+    for (size_t i = 0; i < CORE_LANES; ++i) {
         uint32_t welded[3];
-        for (size_t k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; ++k) {
             at[i][k] = norma_core_corner(mesh, 3 * faces[i < count ? i : 0] + k);
             welded[k] = norma_core_welded(mesh, at[i][k]);
         }
@@ -148,7 +148,7 @@ unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *me
     }
     core_load_edges(mesh, (const uint32_t(*)[3])at, batch);
     norma_core_kernels(call->level)->measure(batch, weight);
-    for (size_t i = 0; i < count; i++) decided |= batch->sure[i] != 0 ? 1U << i : 0;
+    for (size_t i = 0; i < count; ++i) decided |= batch->sure[i] != 0 ? 1U << i : 0;
     return decided & edged;
 }
 
@@ -165,7 +165,7 @@ void norma_core_faces_geometry(
     core_measured measured;
     norma_core_measure_faces(norma_core_kernels(call->level), mesh, face, face + count,
         NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (measured.corners[i])
             take_measured(&measured, i, &out[i]);
         else
@@ -187,7 +187,7 @@ static double settle_corner_cross(const corner_points *p, double squares, double
     if (norma_core_corner_is_sure(square, squares)) return sqrt(square);
     core_face corner = {0};
     exact_direction(triangle_point, p, 3, &corner);
-    for (int k = 0; k < 3; k++) cross[k] = corner.normal[k] * corner.twice_area;
+    for (int k = 0; k < 3; ++k) cross[k] = corner.normal[k] * corner.twice_area;
     return corner.twice_area;
 }
 _Static_assert(sizeof(corner_points) == sizeof(triangle_points), "read as one triangle");
@@ -280,7 +280,7 @@ static void mark_corners_of_face(const reflex_marking *marking, size_t f) {
     exact_area area;
     area.known = 0;
     norma_core_face_geometry(mesh, f, &face);
-    for (size_t c = begin; c < end && (face.flags & CORE_FACE_DIRECTED); c++) {
+    for (size_t c = begin; c < end && (face.flags & CORE_FACE_DIRECTED); ++c) {
         corner_points p;
         corner_edges e;
         if (!norma_core_is_kept(mesh, f, c)) continue;
@@ -295,14 +295,14 @@ static void mark_chunk(void *context, size_t chunk) {
     const reflex_marking *marking = context;
     const size_t count = marking->mesh->face_count, begin = chunk * FACES_IN_MARKING,
                  end = count - begin < FACES_IN_MARKING ? count : begin + FACES_IN_MARKING;
-    for (size_t f = begin; f < end; f++)
+    for (size_t f = begin; f < end; ++f)
         if (has_many_corners(marking->mesh, f)) mark_corners_of_face(marking, f);
 }
 
 norma_result norma_core_mark_reflex(core_call *call, core_mesh *mesh) {
     size_t f = 0;
     if (!mesh->face_starts || core_weighed(call->options.weight) != CORE_BY_ANGLE) return NORMA_OK;
-    while (f < mesh->face_count && !has_many_corners(mesh, f)) f++;
+    while (f < mesh->face_count && !has_many_corners(mesh, f)) ++f;
     if (f == mesh->face_count) return NORMA_OK;
     reflex_marking marking = {mesh, norma_core_allocate(call, mesh->corner_count, 1)};
     if (!marking.reflex) return NORMA_ERROR_MEMORY;
@@ -357,19 +357,19 @@ uint64_t norma_core_twin_key(const core_mesh *mesh, size_t face) {
     size_t kept = 0;
     row r = {.power = 1};
     uint32_t here = begin < end ? norma_core_welded_corner(mesh, begin) : 0;
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t next =
             norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, face, c));
         if (here != next) { /* it is kept */
             const uint64_t hash = hash_of_position(here);
             if (kept < FEW) hashes[kept] = hash;
-            kept++;
+            ++kept;
             add_corner(&r, hash);
         }
         here = next;
     }
-    for (size_t i = 0; i < kept && kept <= FEW; i++) begin_later(&r, hashes[i]);
-    for (size_t c = begin; c < end && kept > FEW; c++)
+    for (size_t i = 0; i < kept && kept <= FEW; ++i) begin_later(&r, hashes[i]);
+    for (size_t c = begin; c < end && kept > FEW; ++c)
         if (norma_core_is_kept(mesh, face, c))
             begin_later(&r, hash_of_position(norma_core_welded_corner(mesh, c)));
     const uint64_t way = r.sum_ahead == r.sum_back ? 2 : r.sum_ahead > r.sum_back;
@@ -393,7 +393,7 @@ static int face_reason(const core_face *face) {
 }
 
 static int take_normal(const core_face *face, float normal[3]) {
-    for (int k = 0; k < 3; k++) normal[k] = (float)face->normal[k] + 0.0F; /* never -0 */
+    for (int k = 0; k < 3; ++k) normal[k] = (float)face->normal[k] + 0.0F; /* never -0 */
     return face_reason(face);
 }
 
@@ -405,9 +405,9 @@ static int normal_of_face(const void *mesh, size_t f, float normal[3]) {
 
 static int take_all_normals(const core_measured *measured, size_t count, float (*normals)[3]) {
     int all = 1;
-    for (size_t i = 0; i < count; i++) all &= measured->corners[i] != 0;
-    for (size_t i = 0; all && i < count; i++)
-        for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < count; ++i) all &= measured->corners[i] != 0;
+    for (size_t i = 0; all && i < count; ++i)
+        for (int k = 0; k < 3; ++k)
             normals[i][k] = (float)measured->row[measured->slot[i]][k] + 0.0F;
     return all;
 }
@@ -421,7 +421,7 @@ static void write_block(const face_work *work, size_t begin, size_t end, core_ta
         norma_core_write_normals(work->output, begin, end - begin, (const float(*)[3])normals);
         return;
     }
-    for (size_t f = begin; f < end; f++) {
+    for (size_t f = begin; f < end; ++f) {
         const int reason = normal_of_face(work->mesh, f, normals[0]);
         norma_core_write_element(work->output, f, reason, normals[0], tally);
     }

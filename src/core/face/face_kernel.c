@@ -19,7 +19,7 @@ static const uint32_t *list_block_corners(
     else
         norma_core_read_corners(mesh, begin, count, named);
     out->at = mesh->weld || at == named ? out->room : at;
-    for (size_t i = 0; i < count && out->at != at; i++)
+    for (size_t i = 0; i < count && out->at != at; ++i)
         out->room[i] = norma_core_welded(mesh, at[i]);
     return at;
 }
@@ -29,7 +29,7 @@ static size_t count_alike(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t corners = norma_core_face_end(mesh, begin) - norma_core_face_begin(mesh, begin);
     uint32_t other = 0;
     if (norma_core_face_starts(mesh))
-        for (size_t f = begin; f < end; f++)
+        for (size_t f = begin; f < end; ++f)
             other |= (mesh->face_starts[f + 1] - mesh->face_starts[f]) ^ (uint32_t)corners;
     return !other && corners >= 3 && corners <= CORE_MOST_CORNERS ? corners : 0;
 }
@@ -46,23 +46,23 @@ static void give_slots(const core_mesh *mesh, size_t begin, size_t end, size_t c
     uint32_t count[CORE_MOST_CORNERS + 1] = {0};
     uint8_t corners[CORE_FACES_AT_ONCE];
     const size_t first = norma_core_face_begin(mesh, begin);
-    for (size_t f = begin; f < end; f++) {
+    for (size_t f = begin; f < end; ++f) {
         const size_t c = norma_core_face_begin(mesh, f), last = norma_core_face_end(mesh, f);
         out->first[f - begin] = (uint32_t)(c - first);
         corners[f - begin] = out->corners[f - begin] = 0;
         if (last - c < 3 || last - c > CORE_MOST_CORNERS || last - first > corners_there) continue;
         corners[f - begin] = (uint8_t)(last - c);
-        count[last - c]++;
+        ++count[last - c];
     }
     size_t slot = 0;
-    for (size_t n = 3; n <= CORE_MOST_CORNERS; n++) {
+    for (size_t n = 3; n <= CORE_MOST_CORNERS; ++n) {
         begins->of[n] = slot;
-        for (size_t i = 0; i < end - begin && count[n]; i++) {
+        for (size_t i = 0; i < end - begin && count[n]; ++i) {
             if (corners[i] != n) continue;
             out->slot[i] = (uint8_t)slot;
             out->face[slot++] = (uint8_t)i;
         }
-        for (; slot % CORE_LANES; slot++) out->face[slot] = out->face[slot - slot % CORE_LANES];
+        for (; slot % CORE_LANES; ++slot) out->face[slot] = out->face[slot - slot % CORE_LANES];
     }
     begins->of[CORE_MOST_CORNERS + 1] = slot;
 }
@@ -71,13 +71,13 @@ static void give_slots(const core_mesh *mesh, size_t begin, size_t end, size_t c
 static void give_slots_in_order(
     size_t faces, size_t corners, slot_begins *begins, core_measured *out) {
     size_t slot = faces;
-    for (size_t i = 0; i < CORE_FACES_AT_ONCE; i++) {
+    for (size_t i = 0; i < CORE_FACES_AT_ONCE; ++i) {
         out->corners[i] = 0;
         out->slot[i] = out->face[i] = (uint8_t)i;
         out->first[i] = (uint32_t)(corners * i);
     }
-    for (; slot % CORE_LANES; slot++) out->face[slot] = out->face[slot - slot % CORE_LANES];
-    for (size_t n = 3; n <= CORE_MOST_CORNERS + 1; n++) begins->of[n] = n > corners ? slot : 0;
+    for (; slot % CORE_LANES; ++slot) out->face[slot] = out->face[slot - slot % CORE_LANES];
+    for (size_t n = 3; n <= CORE_MOST_CORNERS + 1; ++n) begins->of[n] = n > corners ? slot : 0;
 }
 
 /* ---- a block */
@@ -96,7 +96,7 @@ void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh
         give_slots_in_order(end - begin, alike, &begins, out);
     else
         give_slots(mesh, begin, end, count, &begins, out);
-    for (size_t n = 3; n <= CORE_MOST_CORNERS; n++)
+    for (size_t n = 3; n <= CORE_MOST_CORNERS; ++n)
         if (begins.of[n] < begins.of[n + 1])
             kernels->measure_alike(&faces, begins.of[n], begins.of[n + 1], n);
 }

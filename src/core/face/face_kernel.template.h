@@ -77,7 +77,7 @@ IN_VECTORS void open_edges(
 /* p: of each corner, its three axes. */
 IN_VECTORS void open_points(vector p[3][3], norma_weight weight, opened_faces *o) {
     vector u[3], v[3], w[3];
-    for (int x = 0; x < 3; x++) {
+    for (int x = 0; x < 3; ++x) {
         u[x] = p[1][x] - p[0][x];
         v[x] = p[2][x] - p[0][x];
         w[x] = p[2][x] - p[1][x];
@@ -98,7 +98,7 @@ IN_VECTORS void slope_faces(opened_faces *o, sloped_faces *s) {
     const vector below_a = slope_of(o->length, second, &above[0], &s->turn[0]),
                  below_b = slope_of(o->length, third, &above[1], &s->turn[1]);
     const vector inverse = one / o->length, belows = one / (below_a * below_b);
-    for (int x = 0; x < 3; x++) o->normal[x] = o->normal[x] * inverse;
+    for (int x = 0; x < 3; ++x) o->normal[x] = o->normal[x] * inverse;
     s->tangent[0] = above[0] * (belows * below_b);
     s->tangent[1] = above[1] * (belows * below_a);
 }
@@ -110,7 +110,7 @@ IN_VECTORS void divide_faces(opened_faces *o, norma_weight weight, sloped_faces 
         return;
     }
     const vector inverse = VECTORS(all)(1) / o->length;
-    for (int x = 0; x < 3; x++) o->normal[x] = o->normal[x] * inverse;
+    for (int x = 0; x < 3; ++x) o->normal[x] = o->normal[x] * inverse;
 }
 
 /* norma_core_weight_atan and the turn before it, of both angles side by side. */
@@ -119,10 +119,10 @@ IN_VECTORS void turn_faces(const sloped_faces *s, vector angle[2]) {
                  first = VECTORS(all)(CORE_WEIGHT_ATAN_FIRST);
     vector p[2] = {first, first};
 #define ADD_TERM(factor)                                                                           \
-    for (int k = 0; k < 2; k++) p[k] = p[k] * z[k] + VECTORS(all)(factor);
+    for (int k = 0; k < 2; ++k) p[k] = p[k] * z[k] + VECTORS(all)(factor);
     CORE_WEIGHT_ATAN_OTHERS(ADD_TERM)
 #undef ADD_TERM
-    for (int k = 0; k < 2; k++) angle[k] = s->turn[k] + (t[k] + t[k] * (z[k] * p[k]));
+    for (int k = 0; k < 2; ++k) angle[k] = s->turn[k] + (t[k] + t[k] * (z[k] * p[k]));
 }
 
 /* Of equal corners none is another's rest: reversed faces weigh the same. */
@@ -149,17 +149,17 @@ IN_VECTORS void keep_weights(const opened_faces *o, const sloped_faces *s, norma
     vector angle[3];
     if (core_weighed(weight) == CORE_BY_ANGLE) {
         weigh_faces(s, angle);
-        for (int k = 0; k < 3; k++) VECTORS(store)(of_corner[k] + first, angle[k]);
+        for (int k = 0; k < 3; ++k) VECTORS(store)(of_corner[k] + first, angle[k]);
     }
     if (weight == NORMA_WEIGHT_ANGLE) return;
     VECTORS(store)(kept->length + first, o->length);
-    for (int k = 0; k < 3 && core_weighed(weight) != CORE_BY_FACE; k++)
+    for (int k = 0; k < 3 && core_weighed(weight) != CORE_BY_FACE; ++k)
         VECTORS(store)(kept->squares[k] + first, o->squares[k]);
 }
 
 /* Other formulas than the angle itself, of all eight, lane by lane. */
 IN_VECTORS void weigh_kept(norma_weight weight, const kept_edges *kept, double *const weights[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double *aa = kept->squares[(k + 2) % 3], *bb = kept->squares[(k + 1) % 3];
         double *of_corner = weights[k];
         CORE_EACH_LANE
@@ -178,19 +178,19 @@ IN_VECTORS void measure_edges(core_batch *t, norma_weight weight) {
         vector u[3], v[3], w[3];
         opened_faces o;
         sloped_faces s;
-        for (int x = 0; x < 3; x++) {
+        for (int x = 0; x < 3; ++x) {
             u[x] = VECTORS(load)(t->u[x] + lane);
             v[x] = VECTORS(load)(t->v[x] + lane);
             w[x] = VECTORS(load)(t->a[x] + lane);
         }
         open_edges(u, v, w, weight, &o);
         divide_faces(&o, weight, &s);
-        for (int x = 0; x < 3; x++) VECTORS(store)(t->normal[x] + lane, o.normal[x]);
+        for (int x = 0; x < 3; ++x) VECTORS(store)(t->normal[x] + lane, o.normal[x]);
         VECTORS(store)(t->twice_area + lane, o.length);
         keep_weights(&o, &s, weight, lane, weights, &kept);
         sure |= VECTORS(bits)(o.sure) << lane;
     }
-    for (int i = 0; i < CORE_LANES; i++) t->sure[i] = sure >> i & 1U;
+    for (int i = 0; i < CORE_LANES; ++i) t->sure[i] = sure >> i & 1U;
     if (weight != NORMA_WEIGHT_ANGLE) weigh_kept(weight, &kept, weights);
 }
 
@@ -202,7 +202,7 @@ IN_VECTORS void open_faces(const core_mesh *mesh, const unsigned char *at, int d
     norma_weight weight, opened_faces *o) {
     const size_t index = sizeof(uint32_t);
     vector p[3][3];
-    for (size_t k = 0; k < 3; k++)
+    for (size_t k = 0; k < 3; ++k)
         if (doubles)
             VECTORS(read_doubles)(mesh, at + k * index, 3 * index, p[k]);
         else
@@ -215,7 +215,7 @@ IN_VECTORS void open_faces(const core_mesh *mesh, const unsigned char *at, int d
 /* Whether no corner is at the position of the one before it. */
 CORE_INLINE int core_has_kept_corners(const uint32_t *at, size_t corners) {
     int kept = at[corners - 1] != at[0];
-    for (size_t k = 1; k < corners; k++) kept &= at[k - 1] != at[k];
+    for (size_t k = 1; k < corners; ++k) kept &= at[k - 1] != at[k];
     return kept;
 }
 
@@ -258,7 +258,7 @@ IN_VECTORS void name_eight(
     const size_t first = m->first[m->face[slot]], last = m->first[m->face[slot + CORE_LANES - 1]];
     eight->at = w->at + first;
     if (last - first == (CORE_LANES - 1) * corners) return;
-    for (size_t i = 0; i < CORE_LANES; i++)
+    for (size_t i = 0; i < CORE_LANES; ++i)
         memcpy(eight->names + corners * i, w->at + m->first[m->face[slot + i]],
             corners * sizeof *w->at);
     eight->at = eight->names;
@@ -269,7 +269,7 @@ IN_VECTORS void copy_eight(const core_faces_alike *w, size_t corners, eight_face
     eight->mesh.positions = w->mesh->positions;
     eight->mesh.scale = w->mesh->scale;
     if (format == NORMA_FORMAT_FLOAT || format == NORMA_FORMAT_DOUBLE) return;
-    for (uint32_t i = 0; i < CORE_LANES * corners; i++) {
+    for (uint32_t i = 0; i < CORE_LANES * corners; ++i) {
         norma_core_position(w->mesh, eight->at[i], eight->points[i]);
         eight->names[i] = i;
     }
@@ -283,7 +283,7 @@ IN_VECTORS void read_faces(const eight_faces *eight, size_t lane, size_t corners
     const core_mesh *mesh = &eight->mesh;
     const size_t step = corners * sizeof *eight->at;
     const unsigned char *at = (const unsigned char *)(eight->at + corners * lane);
-    for (size_t k = 0; k < corners; k++)
+    for (size_t k = 0; k < corners; ++k)
         if (mesh->positions.format == NORMA_FORMAT_FLOAT)
             VECTORS(read_floats)(mesh, at + k * sizeof *eight->at, step, t->at[k]);
         else
@@ -296,7 +296,7 @@ IN_VECTORS void direct_triangles(face_vectors *t) {
     opened_faces o;
     open_points(t->at, NORMA_WEIGHT_UNIFORM, &o);
     const vector inverse = VECTORS(all)(1) / o.length;
-    for (int x = 0; x < 3; x++) t->normal[x] = o.normal[x] * inverse;
+    for (int x = 0; x < 3; ++x) t->normal[x] = o.normal[x] * inverse;
     t->twice_area = o.length;
     t->sure = o.sure;
 }
@@ -304,24 +304,24 @@ IN_VECTORS void direct_triangles(face_vectors *t) {
 /* The vector area, a triangle of its fan at a time. */
 IN_VECTORS void direct_polygons(face_vectors *t, size_t corners) {
     vector u[3], v[3], term[3], area[3];
-    for (int x = 0; x < 3; x++) {
+    for (int x = 0; x < 3; ++x) {
         v[x] = t->at[1][x] - t->at[0][x];
         area[x] = VECTORS(all)(0);
     }
     vector size = dot_product(v, v);
-    for (size_t k = 2; k < corners; k++) {
-        for (int x = 0; x < 3; x++) {
+    for (size_t k = 2; k < corners; ++k) {
+        for (int x = 0; x < 3; ++x) {
             u[x] = v[x];
             v[x] = t->at[k][x] - t->at[0][x];
         }
         cross_product(u, v, term);
-        for (int x = 0; x < 3; x++) area[x] = area[x] + term[x];
+        for (int x = 0; x < 3; ++x) area[x] = area[x] + term[x];
         size = size + dot_product(v, v);
     }
     const vector square = dot_product(area, area),
                  bound = VECTORS(all)(0x1p-22 * (double)(corners + 8)) * size;
     t->twice_area = VECTORS(root)(square);
-    for (int x = 0; x < 3; x++) t->normal[x] = area[x] / t->twice_area;
+    for (int x = 0; x < 3; ++x) t->normal[x] = area[x] / t->twice_area;
     t->sure = VECTORS(both)(is_between(square), VECTORS(is_at_most)(bound * bound, square));
 }
 
@@ -345,13 +345,13 @@ IN_VECTORS void open_corner(face_vectors *t, size_t k, size_t corners) {
 }
 
 IN_VECTORS void open_corners(face_vectors *t, size_t corners) {
-    for (size_t k = 0; k < corners; k++) {
+    for (size_t k = 0; k < corners; ++k) {
         face_corner *c = &t->corner[k];
         const size_t next = k + 1 < corners ? k + 1 : 0;
-        for (int x = 0; x < 3; x++) c->edge[x] = t->at[next][x] - t->at[k][x];
+        for (int x = 0; x < 3; ++x) c->edge[x] = t->at[next][x] - t->at[k][x];
         c->square = dot_product(c->edge, c->edge);
     }
-    for (size_t k = 0; k < corners; k++) open_corner(t, k, corners);
+    for (size_t k = 0; k < corners; ++k) open_corner(t, k, corners);
 }
 
 /* Of the length and the size of the dot product. */
@@ -388,10 +388,10 @@ IN_VECTORS void keep_corners(
     core_lane *weight = w->out->weight[slot / CORE_LANES];
     const core_weighed_by by = core_weighed(w->weight);
     if (by != CORE_BY_FACE) open_corners(t, corners);
-    for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; k++) slope_corner(&t->corner[k]);
-    for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; k++)
+    for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; ++k) slope_corner(&t->corner[k]);
+    for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; ++k)
         VECTORS(store)(&weight[k][lane], turn_corner(t, &t->corner[k], corners));
-    for (size_t k = 0; k < corners && by != CORE_BY_FACE && w->weight != NORMA_WEIGHT_ANGLE; k++) {
+    for (size_t k = 0; k < corners && by != CORE_BY_FACE && w->weight != NORMA_WEIGHT_ANGLE; ++k) {
         VECTORS(store)(&kept->squares[k][lane], t->corner[k].square);
         VECTORS(store)(&kept->length[k][lane], t->corner[k].cross_length);
     }
@@ -425,7 +425,7 @@ IN_VECTORS unsigned measure_lanes(const core_faces_alike *w, const eight_faces *
 
 IN_VECTORS void keep_faces(const core_faces_alike *w, size_t slot, size_t corners, unsigned sure) {
     core_measured *out = w->out;
-    for (size_t i = 0; i < CORE_LANES; i++) {
+    for (size_t i = 0; i < CORE_LANES; ++i) {
         const size_t f = out->face[slot + i];
         const int kept = core_has_kept_corners(out->at + out->first[f], corners);
         out->corners[f] = (uint8_t)((sure >> i & 1U) && kept ? corners : 0);
@@ -445,7 +445,7 @@ IN_VECTORS void measure_eights(
             sure |= measure_lanes(w, &eight, corners, slot + lane, &kept);
         for (size_t k = 0; !CORE_IS_SMALL && w->wanted == CORE_ALL_CORNERS && k < corners &&
                            weight != NORMA_WEIGHT_ANGLE;
-             k++) {
+             ++k) {
             CORE_LOOP_FOR_WEIGHT(weight, weigh_corner, w, slot, k, corners, &kept)
         }
         keep_faces(w, slot, corners, sure);

@@ -131,7 +131,7 @@ CORE_INLINE void core_portable_read_doubles(
     double a[3], b[3];
     memcpy(a, core_portable_point(mesh, index), sizeof a);
     memcpy(b, core_portable_point(mesh, index + step), sizeof b);
-    for (int x = 0; x < 3; x++) axis[x] = (core_d2){a[x], b[x]} * mesh->scale;
+    for (int x = 0; x < 3; ++x) axis[x] = (core_d2){a[x], b[x]} * mesh->scale;
 }
 #else
 enum { CORE_PORTABLE_LANES = 1 };
@@ -165,7 +165,7 @@ CORE_INLINE void core_portable_read_floats(
     const core_mesh *mesh, const unsigned char *index, size_t step, double axis[3]) {
     float p[3];
     memcpy(p, core_portable_point(mesh, index), sizeof p);
-    for (int x = 0; x < 3; x++) axis[x] = (double)p[x];
+    for (int x = 0; x < 3; ++x) axis[x] = (double)p[x];
     (void)step;
 }
 
@@ -173,7 +173,7 @@ CORE_INLINE void core_portable_read_doubles(
     const core_mesh *mesh, const unsigned char *index, size_t step, double axis[3]) {
     double p[3];
     memcpy(p, core_portable_point(mesh, index), sizeof p);
-    for (int x = 0; x < 3; x++) axis[x] = p[x] * mesh->scale;
+    for (int x = 0; x < 3; ++x) axis[x] = p[x] * mesh->scale;
     (void)step;
 }
 #endif

@@ -80,7 +80,7 @@ CORE_INLINE void point_of_code(
 CORE_INLINE void direction_of_point(const int32_t point[3], float direction[3]) {
     const int32_t square = point[0] * point[0] + point[1] * point[1] + point[2] * point[2];
     const float length = sqrtf((float)square);
-    for (int i = 0; i < 3; i++) direction[i] = square ? (float)point[i] / length : (float)(i == 2);
+    for (int i = 0; i < 3; ++i) direction[i] = square ? (float)point[i] / length : (float)(i == 2);
 }
 
 typedef struct decode_lanes {
@@ -90,12 +90,12 @@ typedef struct decode_lanes {
 
 CORE_INLINE void decode_all_lanes(
     decode_lanes *l, int octahedral, const encoding_numbers *numbers) {
-    for (int i = 0; i < CODES; i++) {
+    for (int i = 0; i < CODES; ++i) {
         int32_t point[3];
         float direction[3];
         point_of_code(l->code[i], octahedral, numbers, point);
         direction_of_point(point, direction);
-        for (int k = 0; k < 3; k++) l->normal[k][i] = direction[k];
+        for (int k = 0; k < 3; ++k) l->normal[k][i] = direction[k];
     }
 }
 
@@ -161,7 +161,7 @@ CORE_INLINE uint32_t code_in_octant(const double normal[3], int32_t x, int32_t y
  * z and the larger of them. */
 CORE_INLINE void encode_octahedral(encode_lanes *l, const encoding_numbers *numbers) {
     const double most = numbers->most;
-    for (int lane = 0; lane < CODES; lane++) {
+    for (int lane = 0; lane < CODES; ++lane) {
         const double n[3] = {l->normal[0][lane], l->normal[1][lane], l->normal[2][lane]};
         const double x = fabs(n[0]), y = fabs(n[1]), z = fabs(n[2]);
         const double larger = y > x ? y : x, b = y > x ? x : y, a = z > larger ? z : larger,
@@ -186,7 +186,7 @@ CORE_INLINE int near_whole(double number) {
 
 /* The eight points about 511 n; four where a coordinate is 0. */
 CORE_INLINE void encode_tens(encode_lanes *l, const encoding_numbers *numbers) {
-    for (int lane = 0; lane < CODES; lane++) {
+    for (int lane = 0; lane < CODES; ++lane) {
         const double n[3] = {l->normal[0][lane], l->normal[1][lane], l->normal[2][lane]};
         const double x = fabs(n[0]), y = fabs(n[1]), z = fabs(n[2]), square = x * x + y * y + z * z,
                      scale = numbers->most / sqrt(square);
@@ -216,9 +216,9 @@ CORE_INLINE void encode_tens(encode_lanes *l, const encoding_numbers *numbers) {
 static int exactly_nearer(const double n[3], const float f[3], const float g[3]) {
     exact_sum sum;
     norma_exact_clear(&sum);
-    for (int p = 0; p < 3; p++)
-        for (int q = 0; q < 3; q++)
-            for (int r = 0; r < 3; r++) { /* the product of two floats is exact in a double */
+    for (int p = 0; p < 3; ++p)
+        for (int q = 0; q < 3; ++q)
+            for (int r = 0; r < 3; ++r) { /* the product of two floats is exact in a double */
                 const double ff = (double)f[p] * (double)f[q], gg = (double)g[r] * (double)g[r],
                              hh = (double)g[p] * (double)g[q], ee = (double)f[r] * (double)f[r];
                 norma_exact_add(&sum, (const double[]){n[p], n[q], ff, gg}, 4, 0);
@@ -232,7 +232,7 @@ static int exactly_nearer(const double n[3], const float f[3], const float g[3])
  * that exchange coordinates of which the normal has two alike. */
 static int plainly_tied(const double n[3], const int32_t p[3], const int32_t q[3]) {
     int parallel = 1;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const int u = (k + 1) % 3, v = (k + 2) % 3;
         if (p[k] == q[k] && p[u] == q[v] && p[v] == q[u] && !(n[u] < n[v]) && !(n[u] > n[v]))
             return 1;
@@ -259,7 +259,7 @@ static int points_of_octahedron(const double n[3], int32_t most, int32_t points[
     const int first = n[0] >= n[1] && n[0] >= n[2] ? 0 : (n[1] >= n[2] ? 1 : 2),
               second = (first + 1) % 3, third = (first + 2) % 3;
     const double scale = most / (n[0] + n[1] + n[2]);
-    for (int t = 0; t < 4; t++) {
+    for (int t = 0; t < 4; ++t) {
         int32_t *p = points[t];
         p[second] = (int32_t)(n[second] * scale) + (t & 1);
         p[third] = (int32_t)(n[third] * scale) + (t >> 1);
@@ -282,7 +282,7 @@ static void whole_numbers_about(const double n[3], int axis, int32_t most, int32
     exact_sum sum; /* most^2 n[axis]^2 - nearest^2 |n|^2 */
     norma_exact_clear(&sum);
     norma_exact_add(&sum, (const double[]){square, n[axis], n[axis]}, 3, 0);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i)
         norma_exact_add(&sum, (const double[]){(double)nearest * nearest, n[i], n[i]}, 3, 1);
     const double sign = norma_exact_round(&sum).mantissa;
     about[0] = nearest - (sign < 0.0);
@@ -292,10 +292,10 @@ static void whole_numbers_about(const double n[3], int axis, int32_t most, int32
 static int points_within_a_step(const double n[3], int32_t most, int32_t points[8][3]) {
     int32_t about[3][2];
     int count = 0;
-    for (int i = 0; i < 3; i++) whole_numbers_about(n, i, most, about[i]);
-    for (int t = 0; t < 8; t++) {
+    for (int i = 0; i < 3; ++i) whole_numbers_about(n, i, most, about[i]);
+    for (int t = 0; t < 8; ++t) {
         int again = 0;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             points[count][i] = about[i][t >> i & 1];
             again |= (t >> i & 1) && about[i][0] == about[i][1];
         }
@@ -311,7 +311,7 @@ static uint32_t decide_code(
     uint32_t code = 0;
     const int count = octahedral ? points_of_octahedron(n, numbers->most, points)
                                  : points_within_a_step(n, numbers->most, points);
-    for (int t = 0; t < count; t++) {
+    for (int t = 0; t < count; ++t) {
         const int32_t *p = points[t];
         const int nearer = t ? nearer_point(n, p, points[best]) : 1;
         const uint32_t own = code_in_octant(normal, p[0], p[1], p[2], octahedral, numbers);
@@ -383,7 +383,7 @@ static void load_normal(
             n[2] = 1.0;
         }
     }
-    for (int k = 0; k < 3; k++) l->normal[k][lane] = n[k];
+    for (int k = 0; k < 3; ++k) l->normal[k][lane] = n[k];
 }
 
 norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encoding, uint32_t *codes,
@@ -397,13 +397,13 @@ norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encodi
     encode_kernel *encode = ENCODE[norma_core_level(NORMA_ISA_BEST)];
     core_tally tally = {.non_finite = {0, 0}};
     encode_lanes l;
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < CODES; i++) l.normal[k][i] = k == 2;
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < CODES; ++i) l.normal[k][i] = k == 2;
     for (size_t first = 0; first < normals.count; first += CODES) {
         const int count = normals.count - first < CODES ? (int)(normals.count - first) : CODES;
-        for (int i = 0; i < count; i++) load_normal(&normals, first + (size_t)i, &l, i, &tally);
+        for (int i = 0; i < count; ++i) load_normal(&normals, first + (size_t)i, &l, i, &tally);
         encode(&l, octahedral, numbers);
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const double n[3] = {l.normal[0][i], l.normal[1][i], l.normal[2][i]};
             const uint32_t code = l.certain[i] ? l.code[i] : decide_code(n, octahedral, numbers);
             memcpy((unsigned char *)codes + (first + (size_t)i) * stride, &code, sizeof code);
@@ -425,10 +425,10 @@ norma_result norma_decode_normals(const uint32_t *codes, size_t stride, size_t c
     decode_lanes l = {.code = {0}};
     for (size_t first = 0; first < count; first += CODES) {
         const size_t size = count - first < CODES ? count - first : CODES;
-        for (size_t i = 0; i < size; i++)
+        for (size_t i = 0; i < size; ++i)
             memcpy(&l.code[i], (const unsigned char *)codes + (first + i) * stride, sizeof *codes);
         decode(&l, encoding != NORMA_ENCODING_10_10_10_2, numbers);
-        for (size_t i = 0; i < size; i++) {
+        for (size_t i = 0; i < size; ++i) {
             const float n[3] = {l.normal[0][i], l.normal[1][i], l.normal[2][i]};
             memcpy((unsigned char *)normals + (first + i) * normal_stride, n, sizeof n);
         }

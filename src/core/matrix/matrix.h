@@ -72,14 +72,14 @@ static inline norma_result norma_input_check(const norma_vec3_view *view) {
  * or not finite. */
 static inline int norma_vec3_scale(double v[3]) {
     double largest = 0.0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         if (!(fabs(v[i]) <= DBL_MAX)) return 0;
         if (fabs(v[i]) > largest) largest = fabs(v[i]);
     }
     if (largest == 0.0) return 0;
     int exponent;
     (void)frexp(largest, &exponent);
-    for (int i = 0; i < 3; i++) v[i] = ldexp(v[i], 1 - exponent);
+    for (int i = 0; i < 3; ++i) v[i] = ldexp(v[i], 1 - exponent);
     return 1;
 }
 
@@ -92,7 +92,7 @@ static inline int norma_vec3_unit(double v[3]) {
         square = norma_core_dot(v, v);
     }
     const double length = sqrt(square);
-    for (int i = 0; i < 3; i++) v[i] /= length;
+    for (int i = 0; i < 3; ++i) v[i] /= length;
     return 1;
 }
 

@@ -12,7 +12,7 @@ const number_range norma_float_range = {-126, 127, 0x1.fffffep0},
 
 int norma_matrix_upper_float(const float model[16], double upper[9]) {
     int finite = 1;
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         upper[i] = (double)model[i / 3 * 4 + i % 3];
         finite &= isfinite(upper[i]) != 0;
     }
@@ -21,7 +21,7 @@ int norma_matrix_upper_float(const float model[16], double upper[9]) {
 
 int norma_matrix_upper_double(const double model[16], double upper[9]) {
     int finite = 1;
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         upper[i] = model[i / 3 * 4 + i % 3];
         finite &= isfinite(upper[i]) != 0;
     }
@@ -31,7 +31,7 @@ int norma_matrix_upper_double(const double model[16], double upper[9]) {
 scaled_number norma_exact_determinant(const double upper[9]) {
     exact_sum sum;
     norma_exact_clear(&sum);
-    for (int i = 0; i < 3; i++) { /* Sarrus: a_0i (a_1j a_2k - a_1k a_2j) */
+    for (int i = 0; i < 3; ++i) { /* Sarrus: a_0i (a_1j a_2k - a_1k a_2j) */
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         norma_exact_add(&sum, (const double[]){upper[i], upper[3 + j], upper[6 + k]}, 3, 0);
         norma_exact_add(&sum, (const double[]){upper[i], upper[3 + k], upper[6 + j]}, 3, 1);
@@ -42,7 +42,7 @@ scaled_number norma_exact_determinant(const double upper[9]) {
 /* Neither products of three nor their parts leave the range of doubles. */
 static int is_mild(const double upper[9]) {
     int mild = 1;
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         mild &= upper[i] == 0.0 || (fabs(upper[i]) > 0x1p-300 && fabs(upper[i]) < 0x1p300);
     return mild;
 }
@@ -50,7 +50,7 @@ static int is_mild(const double upper[9]) {
 int norma_matrix_mirrors(const double upper[9]) {
     double sum = 0, sizes = 0; /* of six products, each twice rounded, and five sums: wrong by less
                                   than 8 * 2^-53 of their sizes */
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         const double with = upper[i] * upper[3 + j] * upper[6 + k],
                      against = upper[i] * upper[3 + k] * upper[6 + j];
@@ -63,9 +63,9 @@ int norma_matrix_mirrors(const double upper[9]) {
 
 /* Column c of the cofactor matrix is the cross product of the two columns after c. */
 static void exact_cofactors(const double upper[9], scaled_number cofactors[9]) {
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         const double *a = upper + 3 * ((c + 1) % 3), *b = upper + 3 * ((c + 2) % 3);
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; ++r) {
             const int s = (r + 1) % 3, t = (r + 2) % 3;
             exact_sum sum;
             norma_exact_clear(&sum);
@@ -79,9 +79,9 @@ static void exact_cofactors(const double upper[9], scaled_number cofactors[9]) {
 /* A column whose largest entry keeps all its digits loses nothing that a rounding would have kept;
  * so only then is there nothing to do. */
 static int fits_range(const scaled_number numbers[9], number_range range) {
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         int zero = 1, kept = 0;
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; ++r) {
             const scaled_number n = numbers[3 * c + r];
             if (n.mantissa == 0.0) continue;
             zero = 0;
@@ -99,7 +99,7 @@ static int matrix_common_shift(const scaled_number numbers[9], number_range rang
     if (fits_range(numbers, range)) return 0;
     int least = INT32_MAX, most = INT32_MIN;
     double mantissa = 0.0; /* of the largest */
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         const scaled_number n = numbers[i];
         if (n.mantissa == 0.0) continue;
         if (n.exponent < least) least = n.exponent;
@@ -119,13 +119,13 @@ static int matrix_common_shift(const scaled_number numbers[9], number_range rang
 /* Adding zero makes +0 of -0. */
 void norma_matrix_to_floats(const scaled_number numbers[9], double sign, float out[9]) {
     const int shift = matrix_common_shift(numbers, norma_float_range);
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         out[i] = (float)ldexp(sign * numbers[i].mantissa, numbers[i].exponent + shift) + 0.0f;
 }
 
 static void matrix_to_doubles(const scaled_number numbers[9], double sign, double out[9]) {
     const int shift = matrix_common_shift(numbers, norma_double_range);
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         out[i] = ldexp(sign * numbers[i].mantissa, numbers[i].exponent + shift) + 0.0;
 }
 
@@ -171,7 +171,7 @@ norma_result norma_inverse_transpose(const double model[16], double inverse_tran
     if (determinant.mantissa == 0.0) return NORMA_ERROR_ARGUMENT;
     scaled_number numbers[9];
     exact_cofactors(upper, numbers);
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         const int exponent = numbers[i].exponent - determinant.exponent;
         numbers[i] = norma_scaled_from_double(numbers[i].mantissa / determinant.mantissa);
         numbers[i].exponent += exponent;
@@ -186,11 +186,11 @@ static int divide_by_square(const double column[3], scaled_number out[3]) {
     if (largest == 0.0) return 0;
     const int exponent = norma_scaled_from_double(largest).exponent;
     double square = 0.0;
-    for (int r = 0; r < 3; r++) {
+    for (int r = 0; r < 3; ++r) {
         const double scaled = ldexp(column[r], -exponent);
         square += scaled * scaled;
     }
-    for (int r = 0; r < 3; r++) {
+    for (int r = 0; r < 3; ++r) {
         out[r] = norma_scaled_from_double(column[r]);
         const int column_exponent = out[r].exponent;
         out[r] = norma_scaled_from_double(out[r].mantissa / square);
@@ -204,7 +204,7 @@ norma_result norma_axis_scale_matrix(const double model[16], double normal_matri
     double upper[9];
     if (!norma_matrix_upper_double(model, upper)) return refuse_not_finite(normal_matrix, NULL);
     scaled_number numbers[9];
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; ++c)
         if (!divide_by_square(upper + 3 * c, numbers + 3 * c)) return NORMA_ERROR_ARGUMENT;
     matrix_to_doubles(numbers, 1.0, normal_matrix);
     return NORMA_OK;
@@ -220,7 +220,7 @@ enum {
     */
 
 static void rotate_columns_by(double a[3], double b[3], double c, double s) {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double x = a[i], y = b[i];
         a[i] = c * x - s * y;
         b[i] = s * x + c * y;
@@ -246,12 +246,12 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
     double u[9];
     memcpy(u, matrix, sizeof u);
     memcpy(v, identity, sizeof identity);
-    for (int sweep = 0, turned = 1; turned && sweep < SWEEPS; sweep++) {
+    for (int sweep = 0, turned = 1; turned && sweep < SWEEPS; ++sweep) {
         turned = rotate_column_pair(u, v, 0, 1);
         turned |= rotate_column_pair(u, v, 0, 2);
         turned |= rotate_column_pair(u, v, 1, 2);
     }
-    for (int i = 0; i < 3; i++) values[i] = sqrt(norma_core_dot(u + 3 * i, u + 3 * i));
+    for (int i = 0; i < 3; ++i) values[i] = sqrt(norma_core_dot(u + 3 * i, u + 3 * i));
 }
 
 /* ---- What kind of matrix a model is, and how wrong plain M would be for its normals.
@@ -274,15 +274,15 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
 /* upper times the power of two that brings its largest entry into [1, 2). */
 static int scale_to_one(const double upper[9], double scaled[9]) {
     double largest = 0.0;
-    for (int i = 0; i < 9; i++) largest = fmax(largest, fabs(upper[i]));
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(upper[i]));
     const int exponent = norma_scaled_from_double(largest).exponent;
-    for (int i = 0; i < 9; i++) scaled[i] = ldexp(upper[i], -exponent);
+    for (int i = 0; i < 9; ++i) scaled[i] = ldexp(upper[i], -exponent);
     return exponent;
 }
 
 /* Never under a mirror: who skips identities would skip the mirror. */
 static int is_identity_matrix(const double m[9], int mirrored) {
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         if (fabs(m[i] - (i % 4 == 0)) > KIND_TOLERANCE) return 0;
     return !mirrored;
 }
@@ -290,8 +290,8 @@ static int is_identity_matrix(const double m[9], int mirrored) {
 static norma_kind kind_of_matrix(
     const double scaled[9], int exponent, int mirrored, int translated) {
     double length[3];
-    for (int i = 0; i < 3; i++) length[i] = sqrt(norma_core_dot(scaled + 3 * i, scaled + 3 * i));
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) length[i] = sqrt(norma_core_dot(scaled + 3 * i, scaled + 3 * i));
+    for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
         if (fabs(norma_core_dot(scaled + 3 * i, scaled + 3 * j)) >
             KIND_TOLERANCE * length[i] * length[j])
@@ -304,7 +304,7 @@ static norma_kind kind_of_matrix(
         fabs(ldexp(shortest, exponent) - 1.0) > KIND_TOLERANCE)
         return NORMA_KIND_UNIFORM_SCALE;
     double m[9];
-    for (int i = 0; i < 9; i++) m[i] = ldexp(scaled[i], exponent);
+    for (int i = 0; i < 9; ++i) m[i] = ldexp(scaled[i], exponent);
     if (!is_identity_matrix(m, mirrored)) return NORMA_KIND_ROTATION;
     return translated ? NORMA_KIND_TRANSLATION : NORMA_KIND_IDENTITY;
 }
@@ -313,7 +313,7 @@ static norma_kind kind_of_matrix(
  * same however it was found. */
 static double upright(const double v[3]) {
     int largest = 0;
-    for (int i = 1; i < 3; i++)
+    for (int i = 1; i < 3; ++i)
         if (fabs(v[i]) > fabs(v[largest])) largest = i;
     return v[largest] < 0.0 ? -1.0 : 1.0;
 }
@@ -321,9 +321,9 @@ static double upright(const double v[3]) {
 static void half_way(const double a[3], const double b[3], float normal[3]) {
     const double sa = upright(a), sb = upright(b);
     double n[3];
-    for (int i = 0; i < 3; i++) n[i] = sa * a[i] + sb * b[i];
+    for (int i = 0; i < 3; ++i) n[i] = sa * a[i] + sb * b[i];
     const double length = sqrt(norma_core_dot(n, n));
-    for (int i = 0; i < 3; i++) normal[i] = (float)(n[i] / length + 0.0);
+    for (int i = 0; i < 3; ++i) normal[i] = (float)(n[i] / length + 0.0);
 }
 
 void norma_matrix_describe(
@@ -332,13 +332,13 @@ void norma_matrix_describe(
     const int exponent = scale_to_one(upper, scaled);
     norma_singular_values(scaled, values, v);
     int largest = 0, smallest = 2; /* where all are equal, still two different ones */
-    for (int i = 1; i < 3; i++)
+    for (int i = 1; i < 3; ++i)
         if (values[i] > values[largest]) largest = i;
-    for (int i = 1; i >= 0; i--)
+    for (int i = 1; i >= 0; --i)
         if (values[i] < values[smallest]) smallest = i;
 
     info->rank = 0;
-    for (int i = 0; i < 3; i++) info->rank += values[i] > RANK_TOLERANCE * values[largest];
+    for (int i = 0; i < 3; ++i) info->rank += values[i] > RANK_TOLERANCE * values[largest];
     info->mirrored = determinant.mantissa < 0.0;
     info->determinant = norma_scaled_to_double(determinant);
     info->kind = info->rank < 3 ? NORMA_KIND_SINGULAR
@@ -377,8 +377,8 @@ norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info) {
 static int is_model_finite(const unsigned char *model) {
     float m[16];
     memcpy(m, model, sizeof m);
-    for (int column = 0; column < 3; column++)
-        for (int row = 0; row < 3; row++)
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
             if (!isfinite(m[4 * column + row])) return 0;
     return 1;
 }
@@ -392,7 +392,7 @@ norma_result norma_find_model_fault(
     if (count > SIZE_MAX / stride)
         return norma_core_refuse(
             fault, NORMA_ERROR_OVERFLOW, "count", SIZE_MAX, "count * model_stride fits a size_t");
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (!is_model_finite((const unsigned char *)models + i * stride))
             return norma_core_refuse(
                 fault, NORMA_ERROR_ARGUMENT, "models", i, "finite in [0..2], [4..6] and [8..10]");

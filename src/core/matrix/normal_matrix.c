@@ -63,7 +63,7 @@ static norma_result normal_matrix_rarely(
         return NORMA_ERROR_ARGUMENT;
     }
     scaled_number numbers[9];
-    for (int i = 0; i < 9; i++) numbers[i] = norma_scaled_from_double(c->entry[i]);
+    for (int i = 0; i < 9; ++i) numbers[i] = norma_scaled_from_double(c->entry[i]);
     double determinant = 0.0;
     if (winding == NORMA_WINDING_REVERSED) {
         const int certain = fabs(c->determinant) > 0x1p-50 * c->magnitude;
@@ -85,7 +85,7 @@ static norma_result core_normal_matrix_of(
     const double sign = winding == NORMA_WINDING_REVERSED
                             ? copysign(1.0, c.determinant)
                             : 1.0; /* no branch: mirrors come as they like */
-    for (int i = 0; i < 9; i++) out[i] = (float)(c.entry[i] * sign) + 0.0f; /* no negative zeros */
+    for (int i = 0; i < 9; ++i) out[i] = (float)(c.entry[i] * sign) + 0.0f; /* no negative zeros */
     return NORMA_OK;
 }
 
@@ -113,9 +113,9 @@ static scaled_number exact_entry(const double view[9], const double model[9], in
     exact_sum sum;
     norma_exact_clear(&sum);
     const int r1 = (row + 1) % 3, r2 = (row + 2) % 3, c1 = (column + 1) % 3, c2 = (column + 2) % 3;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const int k1 = (k + 1) % 3, k2 = (k + 2) % 3; /* cof(V)(row, k), cof(M)(k, column) */
-        for (int term = 0; term < 4; term++) {
+        for (int term = 0; term < 4; ++term) {
             const int v = term / 2, m = term % 2;
             norma_exact_add(&sum,
                 (const double[]){view[3 * k1 + (v ? r2 : r1)], view[3 * k2 + (v ? r1 : r2)],
@@ -128,10 +128,10 @@ static scaled_number exact_entry(const double view[9], const double model[9], in
 
 static void multiply_cofactors(const double view[9], const double model[9], const double v[9],
     const double m[9], scaled_number out[9]) {
-    for (int column = 0; column < 3; column++)
-        for (int row = 0; row < 3; row++) {
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row) {
             double sum = 0.0, magnitude = 0.0;
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 const double term = v[3 * k + row] * m[3 * column + k];
                 sum += term;
                 magnitude += fabs(term);
@@ -146,9 +146,9 @@ static void multiply_cofactors(const double view[9], const double model[9], cons
  * model's translation: relative to the terms of the sum, each of two floats that may be off by
  * 2^-24; 1e-5 is 80 times that, as much as kinds of matrices tolerate (matrix_info.c). */
 static int is_product_translated(const float view[16], const float model[16]) {
-    for (int row = 0; row < 3; row++) {
+    for (int row = 0; row < 3; ++row) {
         double sum = (double)view[12 + row], magnitude = fabs(sum);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const double term = (double)view[4 * k + row] * (double)model[12 + k];
             sum += term;
             magnitude += fabs(term);
@@ -161,7 +161,7 @@ static int is_product_translated(const float view[16], const float model[16]) {
 static void describe_product(
     const double view[9], const double model[9], int translated, norma_matrix_info *info) {
     double product[9];
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         const double *m = model + i / 3 * 3;
         product[i] = view[i % 3] * m[0] + view[3 + i % 3] * m[1] + view[6 + i % 3] * m[2];
     }
@@ -218,14 +218,14 @@ typedef struct matrix_lanes {
 
 static void store_matrix(const matrix_stream *s, size_t number, const float matrix[9]) {
     unsigned char *to = s->matrices + number * s->matrix_stride;
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; ++c)
         memcpy(to + c * s->column_stride, matrix + 3 * c, 3 * sizeof *matrix);
 }
 
 static void store_lane(
     const matrix_stream *s, size_t number, const matrix_lanes *out, size_t lane) {
     float matrix[9];
-    for (size_t k = 0; k < 9; k++) matrix[k] = out->entry[k][lane];
+    for (size_t k = 0; k < 9; ++k) matrix[k] = out->entry[k][lane];
     store_matrix(s, number, matrix);
 }
 
@@ -242,15 +242,15 @@ CORE_INLINE core_f8 load_twos(
 
 CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes *in) {
     const unsigned char *models = s->models + first * s->model_stride;
-    for (size_t c = 0; c < 3; c++) {
+    for (size_t c = 0; c < 3; ++c) {
         core_f8 r[4], axis[3];
-        for (size_t i = 0; i < 4; i++) {
+        for (size_t i = 0; i < 4; ++i) {
             r[i] = load_twos(models + i * s->model_stride, models + (i + 4) * s->model_stride,
                 c < 2 ? 4 * c : 7);
             if (c == 2) r[i] = __builtin_shufflevector(r[i], r[i], 1, 2, 3, 0, 5, 6, 7, 4);
         }
         core_turn_threes(r, axis);
-        for (size_t k = 0; k < 3; k++) memcpy(in->entry[3 * c + k], &axis[k], sizeof axis[k]);
+        for (size_t k = 0; k < 3; ++k) memcpy(in->entry[3 * c + k], &axis[k], sizeof axis[k]);
     }
 }
 
@@ -258,13 +258,13 @@ CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes 
 CORE_INLINE void store_eight(const matrix_stream *s, size_t first, const matrix_lanes *out) {
     unsigned char *to = s->matrices + first * s->matrix_stride;
     core_f8 a[4], b[4];
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < 4; ++k) {
         memcpy(&a[k], out->entry[k], sizeof a[k]);
         memcpy(&b[k], out->entry[4 + k], sizeof b[k]);
     }
     core_turn_fours(a);
     core_turn_fours(b);
-    for (size_t i = 0; i < MATRICES_AT_ONCE; i++, to += s->matrix_stride) {
+    for (size_t i = 0; i < MATRICES_AT_ONCE; ++i, to += s->matrix_stride) {
         const size_t half = sizeof a[0] / 2, from = i < 4 ? 0 : half;
         memcpy(to, (const unsigned char *)&a[i % 4] + from, half);
         memcpy(to + half, (const unsigned char *)&b[i % 4] + from, half);
@@ -273,17 +273,17 @@ CORE_INLINE void store_eight(const matrix_stream *s, size_t first, const matrix_
 }
 #else
 CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes *in) {
-    for (size_t i = 0; i < MATRICES_AT_ONCE; i++) {
+    for (size_t i = 0; i < MATRICES_AT_ONCE; ++i) {
         float model[11];
         memcpy(model, s->models + (first + i) * s->model_stride,
             sizeof model); /* the rest is translation and padding */
-        for (size_t c = 0; c < 3; c++)
-            for (size_t r = 0; r < 3; r++) in->entry[3 * c + r][i] = model[4 * c + r];
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t r = 0; r < 3; ++r) in->entry[3 * c + r][i] = model[4 * c + r];
     }
 }
 
 CORE_INLINE void store_eight(const matrix_stream *s, size_t first, const matrix_lanes *out) {
-    for (size_t i = 0; i < MATRICES_AT_ONCE; i++) store_lane(s, first + i, out, i);
+    for (size_t i = 0; i < MATRICES_AT_ONCE; ++i) store_lane(s, first + i, out, i);
 }
 #endif
 
@@ -294,7 +294,7 @@ CORE_INLINE double lesser(double a, double b) { return a < b ? a : b; }
 CORE_INLINE int matrices_of_lanes(
     const matrix_lanes *in, int reversed, matrix_lanes *out, int unsafe[MATRICES_AT_ONCE]) {
     int any = 0;
-    for (int i = 0; i < MATRICES_AT_ONCE; i++) {
+    for (int i = 0; i < MATRICES_AT_ONCE; ++i) {
         const double a0 = (double)in->entry[0][i], a1 = (double)in->entry[1][i],
                      a2 = (double)in->entry[2][i], b0 = (double)in->entry[3][i],
                      b1 = (double)in->entry[4][i], b2 = (double)in->entry[5][i],
@@ -329,7 +329,7 @@ CORE_INLINE int matrices_of_lanes(
 
 static norma_result one_by_one(const matrix_stream *s, size_t first, size_t end) {
     norma_result result = NORMA_OK;
-    for (size_t i = first; i < end; i++) {
+    for (size_t i = first; i < end; ++i) {
         float model[16], matrix[9];
         memcpy(model, s->models + i * s->model_stride, 11 * sizeof *model);
         if (core_normal_matrix_of(model, s->winding, matrix)) result = NORMA_ERROR_ARGUMENT;
@@ -342,7 +342,7 @@ static norma_result one_by_one(const matrix_stream *s, size_t first, size_t end)
 static norma_result store_some(const matrix_stream *s, size_t first, const matrix_lanes *out,
     const int unsafe[MATRICES_AT_ONCE]) {
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < MATRICES_AT_ONCE; i++) {
+    for (size_t i = 0; i < MATRICES_AT_ONCE; ++i) {
         if (!unsafe[i])
             store_lane(s, first + i, out, i);
         else if (one_by_one(s, first + i, first + i + 1))
@@ -398,7 +398,7 @@ norma_result norma_normal_matrices(const float *models, size_t count, norma_wind
 static int columns_collide(size_t count, size_t matrix_stride, size_t column_stride) {
     const size_t column = 3 * sizeof(float);
     if (column_stride < column || (count > 1 && matrix_stride < column)) return 1;
-    for (size_t c = 1; c <= 2 && count > 1; c++) {
+    for (size_t c = 1; c <= 2 && count > 1; ++c) {
         const size_t before = c * column_stride / matrix_stride,
                      apart = c * column_stride % matrix_stride;
         if ((before > 0 && before < count && apart < column) ||

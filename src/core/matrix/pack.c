@@ -16,7 +16,7 @@ static int passes(const int code[3], int scale) {
 
 static double code_distance(const int code[3], const double target[3]) {
     double sum = 0.0;
-    for (int i = 0; i < 3; i++) sum += (code[i] - target[i]) * (code[i] - target[i]);
+    for (int i = 0; i < 3; ++i) sum += (code[i] - target[i]) * (code[i] - target[i]);
     return sum;
 }
 
@@ -24,10 +24,10 @@ static double code_distance(const int code[3], const double target[3]) {
  * first of equals. */
 static void nearest_passing(const double target[3], int scale, const int rounded[3], int code[3]) {
     double best = DBL_MAX;
-    for (int n = 0; n < 27; n++) {
+    for (int n = 0; n < 27; ++n) {
         const int steps[3] = {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
         int tried[3];
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             tried[i] = rounded[i] + steps[i];
             if (tried[i] > scale) tried[i] = scale;
             if (tried[i] < -scale) tried[i] = -scale;
@@ -46,7 +46,7 @@ static void encode(const double normal[3], int scale, int code[3]) {
     code[0] = code[1] = code[2] = 0;
     if (!norma_vec3_unit(target)) return;
     int rounded[3];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         target[i] *= scale;
         rounded[i] =
             (int)(target[i] +
@@ -66,7 +66,7 @@ static norma_result encode_all(const norma_vec3_view *normals, int scale, unsign
     norma_result result = norma_input_check(normals);
     if (!result) result = norma_output_check(out, &stride, 3 * size, normals->count, capacity);
     if (result) return result;
-    for (size_t i = 0; i < normals->count; i++) {
+    for (size_t i = 0; i < normals->count; ++i) {
         double normal[3];
         int code[3];
         norma_view_read(normals, i, normal);
@@ -97,11 +97,11 @@ static norma_result decode_all(
     if (!result)
         result = norma_output_check(out, &out_stride, 3 * sizeof *out, codes.count, capacity);
     if (result) return result;
-    for (size_t i = 0; i < codes.count; i++) {
+    for (size_t i = 0; i < codes.count; ++i) {
         double code[3];
         float v[3];
         norma_view_read(&codes, i, code);
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             v[c] = (float)code[c] / scale;
             if (v[c] < -1.0f) v[c] = -1.0f; /* the one code below -scale */
         }

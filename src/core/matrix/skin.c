@@ -42,8 +42,8 @@ static norma_result check_sizes(const norma_skin *s, norma_fault *fault) {
 
 static int is_finite_matrix(const float m[16]) {
     float zero = 0.0F;
-    for (int c = 0; c < 4; c++)
-        for (int r = 0; r < 3; r++) zero += m[4 * c + r] * 0.0F;
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r) zero += m[4 * c + r] * 0.0F;
     return zero == 0.0F;
 }
 
@@ -54,13 +54,13 @@ CORE_INLINE uint32_t largest_joint(const void *joints, size_t size, size_t count
     if (size == sizeof(uint16_t)) {
         const unsigned char *at = joints;
         uint16_t largest = 0, number;
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             memcpy(&number, at + i * sizeof number, sizeof number);
             largest = number > largest ? number : largest;
         }
         return largest;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t number = norma_index_read(joints, size, i);
         most = number > most ? number : most;
     }
@@ -70,7 +70,7 @@ CORE_INLINE uint32_t largest_joint(const void *joints, size_t size, size_t count
 /* Whether all are finite: an exponent of ones, and one more, is a sign. */
 CORE_INLINE int all_numbers_finite(const float *numbers, size_t count) {
     uint32_t signs = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
         memcpy(&bits, numbers + i, sizeof bits);
         signs |= (bits & UINT32_C(0x7fffffff)) + UINT32_C(0x00800000);
@@ -102,21 +102,21 @@ static norma_result check_influences(const norma_skin *s, norma_isa isa, norma_f
     const size_t size = s->joint_size ? s->joint_size : 2;
     size_t i = 0;
     if (kernels[norma_core_level(isa)](s, size)) return NORMA_OK;
-    for (const size_t count = s->vertex_count * s->influences; i < count; i++)
+    for (const size_t count = s->vertex_count * s->influences; i < count; ++i)
         if (norma_index_read(s->joints, size, i) >= s->joint_count)
             return norma_core_refuse(fault, NORMA_ERROR_INDEX, "skin->joints", i,
                 "the number of a joint, below skin->joint_count");
-    for (i = 0; s->weights[i] * 0.0F == 0.0F;) i++;
+    for (i = 0; s->weights[i] * 0.0F == 0.0F;) ++i;
     return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "skin->weights", i, "a finite number");
 }
 
 /* Only the matrices of joints that weigh something have to be finite. */
 static norma_result check_matrices(const norma_skin *s, norma_fault *fault) {
     size_t broken = 0;
-    for (size_t j = 0; j < s->joint_count; j++) broken += !is_finite_matrix(s->matrices + 16 * j);
+    for (size_t j = 0; j < s->joint_count; ++j) broken += !is_finite_matrix(s->matrices + 16 * j);
     if (!broken) return NORMA_OK;
     const size_t count = s->vertex_count * s->influences, size = s->joint_size ? s->joint_size : 2;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t joint = norma_index_read(s->joints, size, i);
         if (s->weights[i] != 0.0F && !is_finite_matrix(s->matrices + 16 * (size_t)joint))
             return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "skin->matrices", joint,
@@ -143,10 +143,10 @@ norma_result norma_find_skin_fault(
 
 static void prepare_joint(
     const float matrix[16], norma_blend blend, double row[SKIN_ROW], double dual[8]) {
-    for (int c = 0; c < 4; c++)
-        for (int r = 0; r < 3; r++) row[3 * c + r] = (double)matrix[4 * c + r];
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r) row[3 * c + r] = (double)matrix[4 * c + r];
     if (blend == NORMA_BLEND_DUAL_QUATERNION) norma_skin_prepare_dual(row, dual);
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         if (row[SKIN_SIZE] < fabs(row[i])) row[SKIN_SIZE] = fabs(row[i]);
 }
 
@@ -187,7 +187,7 @@ static norma_result run_stream(skin_stream *s) {
     double(*rows)[SKIN_ROW] = (void *)(memory + (CACHE_LINE - (uintptr_t)memory % CACHE_LINE)),
     (*duals)[8] = (void *)(rows + skin->joint_count);
     memset(rows, 0, skin->joint_count * JOINT_BYTES);
-    for (size_t j = 0; j < skin->joint_count; j++) {
+    for (size_t j = 0; j < skin->joint_count; ++j) {
         if (is_finite_matrix(skin->matrices + 16 * j))
             prepare_joint(skin->matrices + 16 * j, skin->blend, rows[j], duals[j]);
         if (s->largest < rows[j][SKIN_SIZE]) s->largest = rows[j][SKIN_SIZE];
@@ -218,7 +218,7 @@ norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
         if (!s.tallies) return NORMA_ERROR_MEMORY;
         memset(s.tallies, 0, chunk_count(&s) * sizeof *s.tallies);
         result = run_stream(&s);
-        for (size_t i = 0; i < chunk_count(&s); i++) norma_core_tally_add(&sum, &s.tallies[i]);
+        for (size_t i = 0; i < chunk_count(&s); ++i) norma_core_tally_add(&sum, &s.tallies[i]);
         norma_core_release(&s.call, s.tallies, chunk_count(&s), sizeof *s.tallies);
     }
     if (result == NORMA_OK) norma_core_write_report(report, &sum, NULL, NULL);

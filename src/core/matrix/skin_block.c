@@ -23,7 +23,7 @@ typedef struct skin_block {
 CORE_INLINE float read_weights(const float *from, size_t count, double *to) {
     uint32_t most = 0;
     float largest;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
         memcpy(&bits, from + i, sizeof bits);
         bits &= UINT32_C(0x7fffffff);
@@ -40,18 +40,18 @@ CORE_INLINE void add_joints(double (*rows)[SKIN_ROW], const unsigned char *joint
     size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW], int is_wide) {
 #if defined(CORE_HAS_SHUFFLES)
     core_d4 sums[COLUMNS / 4] = {{0}};
-    for (size_t k = 0; k < count && is_wide; k++) {
+    for (size_t k = 0; k < count && is_wide; ++k) {
         const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
-        for (int i = 0; i < COLUMNS / 4; i++)
+        for (int i = 0; i < COLUMNS / 4; ++i)
             sums[i] += core_load_row(from + 4 * i) * (core_d4){weight, weight, weight, weight};
     }
-    for (int i = 0; i < COLUMNS / 4 && is_wide; i++) core_store_row(row + 4 * i, sums[i]);
+    for (int i = 0; i < COLUMNS / 4 && is_wide; ++i) core_store_row(row + 4 * i, sums[i]);
     if (is_wide) return;
 #endif
     double sum[COLUMNS] = {0};
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; ++k) {
         const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
-        for (int i = 0; i < COLUMNS; i++) sum[i] += weight * from[i];
+        for (int i = 0; i < COLUMNS; ++i) sum[i] += weight * from[i];
     }
     memcpy(row, sum, sizeof sum);
 }
@@ -65,12 +65,12 @@ CORE_INLINE void blend_rows(
     const unsigned char *joints = s->joints + first * bytes;
     double(*const rows)[SKIN_ROW] = s->rows;
     if (s->skin->blend == NORMA_BLEND_DUAL_QUATERNION)
-        for (size_t i = 0; i < count; i++) norma_skin_blend_dual(s, first + i, block->row[i]);
+        for (size_t i = 0; i < count; ++i) norma_skin_blend_dual(s, first + i, block->row[i]);
     else if (is_usual(s))
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             add_joints(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i], is_wide);
     else
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             add_joints(rows, joints + i * bytes, size, block->weight + i * influences, influences,
                 block->row[i], is_wide);
 }
@@ -82,14 +82,14 @@ CORE_INLINE void turn_rows(skin_block *block, int columns, int is_wide) {
     for (int i = 0; i < BLOCK && is_wide; i += 4)
         for (int column = 0; column < columns; column += 4) {
             core_d4 r[4];
-            for (int k = 0; k < 4; k++) r[k] = core_load_row(block->row[i + k] + column);
+            for (int k = 0; k < 4; ++k) r[k] = core_load_row(block->row[i + k] + column);
             core_turn_rows(r);
-            for (int k = 0; k < 4; k++) core_store_row(block->b[column + k] + i, r[k]);
+            for (int k = 0; k < 4; ++k) core_store_row(block->b[column + k] + i, r[k]);
         }
     if (is_wide) return;
 #endif
-    for (int i = 0; i < BLOCK; i++)
-        for (int column = 0; column < columns; column++)
+    for (int i = 0; i < BLOCK; ++i)
+        for (int column = 0; column < columns; ++column)
             block->b[column][i] = block->row[i][column];
 }
 
@@ -99,7 +99,7 @@ CORE_INLINE void turn_rows(skin_block *block, int columns, int is_wide) {
 CORE_IN_REGISTERS void add_joints_avx512(double (*rows)[SKIN_ROW], const unsigned char *joints,
     size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW]) {
     __m512d low = _mm512_set1_pd(0.0), high = low;
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; ++k) {
         const double *from = rows[norma_index_read(joints, joint_size, k)];
         const __m512d weight = _mm512_set1_pd(weights[k]);
         low = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from), low);
@@ -115,10 +115,10 @@ CORE_IN_REGISTERS void blend_rows_avx512(
     const unsigned char *joints = s->joints + first * bytes;
     double(*const rows)[SKIN_ROW] = s->rows;
     if (is_usual(s))
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             add_joints_avx512(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);
     else
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             add_joints_avx512(rows, joints + i * bytes, size, block->weight + i * influences,
                 influences, block->row[i]);
 }
@@ -128,7 +128,7 @@ CORE_IN_REGISTERS void turn_columns_avx512(skin_block *block, int i, int column)
     const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0),
                   high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
     __m512d r[4];
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 4; ++k)
         r[k] =
             _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(block->row[i + k] + column)),
                 _mm256_loadu_pd(block->row[i + k + 4] + column), 1);
@@ -148,14 +148,14 @@ CORE_INLINE void read_vectors(
     if (in->format == NORMA_FORMAT_FLOAT && norma_view_stride(in) == 12 && count == BLOCK) {
         float v[3][BLOCK];
         core_threes_to_lanes((const unsigned char *)in->data + 12 * first, BLOCK, v[0], v[1], v[2]);
-        for (int k = 0; k < 3; k++)
-            for (int i = 0; i < BLOCK; i++) to[k][i] = (double)v[k][i];
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < BLOCK; ++i) to[k][i] = (double)v[k][i];
         return;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double v[3];
         norma_view_read(in, first + i, v);
-        for (int k = 0; k < 3; k++) to[k][i] = v[k];
+        for (int k = 0; k < 3; ++k) to[k][i] = v[k];
     }
 }
 
@@ -171,7 +171,7 @@ typedef struct normal_lanes {
 /* What the entries of one B were summed from, at most. */
 static double size_of_sum(const skin_stream *s, size_t vertex) {
     double size = 0.0;
-    for (size_t k = 0, at = vertex * s->influences; k < s->influences; k++, at++)
+    for (size_t k = 0, at = vertex * s->influences; k < s->influences; ++k, ++at)
         size += fabs((double)s->skin->weights[at]) *
                 s->rows[norma_index_read(s->joints, s->joint_size, at)][SKIN_SIZE];
     return size;
@@ -194,7 +194,7 @@ CORE_INLINE int fits_float(double square) { return (square > 0x1p-120) & (square
 CORE_INLINE int products_of_lanes(const skin_block *of, normal_lanes *l) {
     const double size = of->size;
     uint64_t certain = 1;
-    for (int i = 0; i < BLOCK; i++) {
+    for (int i = 0; i < BLOCK; ++i) {
         const double a0 = of->b[0][i], a1 = of->b[1][i], a2 = of->b[2][i], b0 = of->b[3][i],
                      b1 = of->b[4][i], b2 = of->b[5][i], c0 = of->b[6][i], c1 = of->b[7][i],
                      c2 = of->b[8][i], x = of->in[0][i], y = of->in[1][i], z = of->in[2][i];
@@ -212,18 +212,18 @@ CORE_INLINE int products_of_lanes(const skin_block *of, normal_lanes *l) {
         l->certain[i] = (uint64_t)(is_certain(determinant, square, x * x + y * y + z * z, size) &
                                    fits_float(square));
     }
-    for (int i = 0; i < BLOCK; i++) certain &= l->certain[i];
+    for (int i = 0; i < BLOCK; ++i) certain &= l->certain[i];
     return (int)certain;
 }
 
 /* 1 / length: a float's root and quotient are quick, and a step of Newton's method squares their
  * error, to below 2^-43. */
 CORE_INLINE void units_of_lanes(normal_lanes *l) {
-    for (int i = 0; i < BLOCK; i++) l->about[i] = 1.0F / sqrtf((float)l->square[i]);
-    for (int i = 0; i < BLOCK; i++) {
+    for (int i = 0; i < BLOCK; ++i) l->about[i] = 1.0F / sqrtf((float)l->square[i]);
+    for (int i = 0; i < BLOCK; ++i) {
         const double about = (double)l->about[i],
                      factor = about * (1.5 - 0.5 * l->square[i] * (about * about));
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             l->unit[k][i] = (float)(l->v[k][i] * (l->determinant[i] < 0.0 ? -factor : factor)) +
                             0.0F; /* no -0 */
     }
@@ -258,7 +258,7 @@ static int decide_one(const skin_stream *s, size_t vertex, const skin_block *blo
 
 static void write_uncertain(const skin_stream *s, size_t first, size_t count,
     const skin_block *block, const normal_lanes *l, core_tally *tally) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         float unit[3] = {l->unit[0][i], l->unit[1][i], l->unit[2][i]};
         const int reason =
             l->certain[i] ? NORMA_REASON_NONE : decide_one(s, first + i, block, l, i, unit);
@@ -274,7 +274,7 @@ CORE_INLINE void write_lanes(
     core_lanes_to_threes(axis[0], axis[1], axis[2], BLOCK,
         tight ? (void *)(s->out.normals + first * sizeof *block) : block);
     if (!tight)
-        for (size_t i = 0; i < count; i++) norma_core_write_normal(&s->out, first + i, block[i]);
+        for (size_t i = 0; i < count; ++i) norma_core_write_normal(&s->out, first + i, block[i]);
 }
 
 CORE_INLINE void normals_of_block(
@@ -294,8 +294,8 @@ CORE_INLINE void normals_of_block(
 CORE_INLINE void move_block(
     const skin_stream *s, size_t first, size_t count, const skin_block *of) {
     float moved[3][BLOCK];
-    for (int r = 0; r < 3; r++)
-        for (int i = 0; i < BLOCK; i++)
+    for (int r = 0; r < 3; ++r)
+        for (int i = 0; i < BLOCK; ++i)
             moved[r][i] = (float)(of->b[r][i] * of->in[0][i] + of->b[3 + r][i] * of->in[1][i] +
                                   of->b[6 + r][i] * of->in[2][i] + of->b[9 + r][i]);
     write_lanes(s, first, count, moved);
@@ -319,14 +319,14 @@ CORE_INLINE void move_tangents(
     const skin_stream *s, size_t first, size_t count, const skin_block *of, tangent_lanes *l) {
     double t[3][BLOCK] = {{0}};
     memset(l->sign, 0, sizeof l->sign);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         float in[4];
         memcpy(in, s->tangents + 4 * (first + i), sizeof in);
-        for (int k = 0; k < 3; k++) t[k][i] = (double)in[k];
+        for (int k = 0; k < 3; ++k) t[k][i] = (double)in[k];
         l->sign[i] = in[3];
     }
-    for (int r = 0; r < 3; r++)
-        for (int i = 0; i < BLOCK; i++)
+    for (int r = 0; r < 3; ++r)
+        for (int i = 0; i < BLOCK; ++i)
             l->moved[r][i] =
                 of->b[r][i] * t[0][i] + of->b[3 + r][i] * t[1][i] + of->b[6 + r][i] * t[2][i];
 }
@@ -334,16 +334,16 @@ CORE_INLINE void move_tangents(
 /* norma_core_perpendicular_tangent's steps, where both vectors are of ordinary length and not
  * parallel. */
 CORE_INLINE void units_of_tangents(const skin_block *of, tangent_lanes *l) {
-    for (int i = 0; i < BLOCK; i++) {
+    for (int i = 0; i < BLOCK; ++i) {
         double n[3], t[3], out[3];
-        for (int k = 0; k < 3; k++) n[k] = of->in[k][i], t[k] = l->moved[k][i];
+        for (int k = 0; k < 3; ++k) n[k] = of->in[k][i], t[k] = l->moved[k][i];
         const double n_square = norma_core_dot(n, n), t_square = norma_core_dot(t, t),
                      n_length = sqrt(n_square), t_length = sqrt(t_square);
-        for (int k = 0; k < 3; k++) n[k] /= n_length, t[k] /= t_length;
+        for (int k = 0; k < 3; ++k) n[k] /= n_length, t[k] /= t_length;
         const double along = norma_core_dot(n, t);
-        for (int k = 0; k < 3; k++) out[k] = t[k] - along * n[k];
+        for (int k = 0; k < 3; ++k) out[k] = t[k] - along * n[k];
         const double left = norma_core_dot(out, out), length = sqrt(left);
-        for (int k = 0; k < 3; k++) l->unit[k][i] = (float)(out[k] / length) + 0.0F;
+        for (int k = 0; k < 3; ++k) l->unit[k][i] = (float)(out[k] / length) + 0.0F;
         l->certain[i] = (uint64_t)((n_square > NORMA_TINIEST) & (n_square < NORMA_HUGEST) &
                                    (t_square > NORMA_TINIEST) & (t_square < NORMA_HUGEST) &
                                    (left > NOTHING_LEFT * NOTHING_LEFT));
@@ -351,9 +351,9 @@ CORE_INLINE void units_of_tangents(const skin_block *of, tangent_lanes *l) {
 }
 
 CORE_INLINE void signs_of_tangents(const skin_block *of, tangent_lanes *l) {
-    for (int i = 0; i < BLOCK; i++) {
+    for (int i = 0; i < BLOCK; ++i) {
         double cross[3], b[9];
-        for (int k = 0; k < 9; k++) b[k] = of->b[k][i];
+        for (int k = 0; k < 9; ++k) b[k] = of->b[k][i];
         norma_core_cross(b + 3, b + 6, cross);
         const double determinant = norma_core_dot(b, cross);
         l->determinant[i] = determinant;
@@ -369,7 +369,7 @@ static void decide_tangent(const skin_stream *s, size_t vertex, const skin_block
                  determinant = l->determinant[i];
     double unit[3];
     norma_core_perpendicular_tangent(normal, moved, unit);
-    for (int r = 0; r < 3; r++) out[r] = (float)unit[r] + 0.0F;
+    for (int r = 0; r < 3; ++r) out[r] = (float)unit[r] + 0.0F;
     if ((determinant < 0.0) != mirrors(s, vertex, determinant)) out[3] = -out[3];
 }
 
@@ -380,16 +380,16 @@ CORE_INLINE void tangents_of_block(
     move_tangents(s, first, count, block, &l);
     units_of_tangents(block, &l);
     signs_of_tangents(block, &l);
-    for (int i = 0; i < BLOCK; i++) {
-        for (int k = 0; k < 3; k++) out[i][k] = l.unit[k][i];
+    for (int i = 0; i < BLOCK; ++i) {
+        for (int k = 0; k < 3; ++k) out[i][k] = l.unit[k][i];
         out[i][3] = l.sign[i];
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (!l.certain[i]) decide_tangent(s, first + i, block, &l, i, out[i]);
     if (s->out.stride == sizeof out[0])
         memcpy(s->out.normals + first * sizeof out[0], out, count * sizeof out[0]);
     else
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             memcpy(s->out.normals + (first + i) * s->out.stride, out[i], sizeof out[i]);
 }
 
@@ -410,7 +410,7 @@ static int columns_to_turn(const skin_stream *s, const core_tally *tally) {
 CORE_INLINE void finish_block(
     const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
     for (int i = 0; i < BLOCK; i += 4) /* the ninth column */
-        for (int k = 0; k < 4; k++) block->b[8][i + k] = block->row[i + k][8];
+        for (int k = 0; k < 4; ++k) block->b[8][i + k] = block->row[i + k][8];
     read_vectors(&s->in, first, count, block->in);
     if (s->tangents)
         tangents_of_block(s, first, count, block);

@@ -21,16 +21,16 @@ static void any_perpendicular_to(const double a[3], double out[3]) {
 static void left_vectors(
     const double m[9], const double v[9], const double values[3], int mirrored, double u[9]) {
     int order[3] = {0, 1, 2};
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2; k++)
+    for (int i = 0; i < 2; ++i)
+        for (int k = 0; k < 2; ++k)
             if (values[order[k]] < values[order[k + 1]]) {
                 const int swapped = order[k];
                 order[k] = order[k + 1];
                 order[k + 1] = swapped;
             }
     double *first = u + 3 * order[0], *second = u + 3 * order[1], *third = u + 3 * order[2];
-    for (int i = 0; i < 3; i++)
-        for (int r = 0; r < 3; r++)
+    for (int i = 0; i < 3; ++i)
+        for (int r = 0; r < 3; ++r)
             u[3 * i + r] = m[r] * v[3 * i] + m[3 + r] * v[3 * i + 1] + m[6 + r] * v[3 * i + 2];
     const double least = 0x1p-40 * values[order[0]];
     if (values[order[0]] > 0.0)
@@ -46,7 +46,7 @@ static void left_vectors(
     norma_core_cross(v + 3 * order[0], v + 3 * order[1], turn);
     const double side = norma_core_dot(turn, v + 3 * order[2]) < 0.0 ? -1.0 : 1.0;
     norma_core_cross(first, second, third);
-    for (int r = 0; r < 3; r++) third[r] *= mirrored ? -side : side;
+    for (int r = 0; r < 3; ++r) third[r] *= mirrored ? -side : side;
     norma_core_normalise(third, third);
 }
 
@@ -72,21 +72,21 @@ static void quaternion_of(const double r[9], double q[4]) {
 static void split_stretch(const double m[9], double rotation[9], double stretch[9]) {
     double scaled[9], values[3], v[9], u[9], s[9], largest = 0.0;
     int exponent = 0;
-    for (int i = 0; i < 9; i++) largest = fmax(largest, fabs(m[i]));
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(m[i]));
     if (largest > 0.0) (void)frexp(largest, &exponent);
-    for (int i = 0; i < 9; i++) scaled[i] = ldexp(m[i], 1 - exponent);
+    for (int i = 0; i < 9; ++i) scaled[i] = ldexp(m[i], 1 - exponent);
     const int mirrored = norma_matrix_mirrors(m);
     norma_singular_values(scaled, values, v);
     left_vectors(scaled, v, values, mirrored, u);
-    for (int c = 0; c < 3; c++)
-        for (int r = 0; r < 3; r++) {
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) {
             const double entry = u[r] * v[c] + u[3 + r] * v[3 + c] + u[6 + r] * v[6 + c];
             rotation[3 * c + r] = mirrored ? -entry : entry;
         }
-    for (int c = 0; c < 3; c++) /* S = R^T M, made symmetric */
-        for (int r = 0; r < 3; r++) s[3 * c + r] = norma_core_dot(rotation + 3 * r, m + 3 * c);
-    for (int c = 0; c < 3; c++)
-        for (int r = 0; r < 3; r++) stretch[3 * c + r] = (s[3 * c + r] + s[3 * r + c]) / 2.0;
+    for (int c = 0; c < 3; ++c) /* S = R^T M, made symmetric */
+        for (int r = 0; r < 3; ++r) s[3 * c + r] = norma_core_dot(rotation + 3 * r, m + 3 * c);
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) stretch[3 * c + r] = (s[3 * c + r] + s[3 * r + c]) / 2.0;
 }
 
 void norma_skin_prepare_dual(double row[SKIN_ROW], double dual[8]) {
@@ -97,7 +97,7 @@ void norma_skin_prepare_dual(double row[SKIN_ROW], double dual[8]) {
     quaternion_of(rotation, q);
     /* (t, 0) q / 2 */
     norma_core_cross(t, q, cross);
-    for (int i = 0; i < 3; i++) d[i] = (t[i] * q[3] + cross[i]) / 2.0;
+    for (int i = 0; i < 3; ++i) d[i] = (t[i] * q[3] + cross[i]) / 2.0;
     d[3] = -norma_core_dot(t, q) / 2.0;
 }
 
@@ -108,9 +108,9 @@ static void rotate_columns(const double q[4], double square, double b[9]) {
     const double r[9] = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w),
         s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w), s * (x * z + y * w),
         s * (y * z - x * w), 1 - s * (x * x + y * y)};
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         const double v[3] = {b[3 * c], b[3 * c + 1], b[3 * c + 2]};
-        for (int i = 0; i < 3; i++) b[3 * c + i] = r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2];
+        for (int i = 0; i < 3; ++i) b[3 * c + i] = r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2];
     }
 }
 
@@ -118,7 +118,7 @@ static void rotate_columns(const double q[4], double square, double b[9]) {
 static void translation_of(const double q[4], const double d[4], double square, double out[3]) {
     double cross[3];
     norma_core_cross(q, d, cross);
-    for (int i = 0; i < 3; i++) out[i] = 2 * (q[3] * d[i] - d[3] * q[i] + cross[i]) / square;
+    for (int i = 0; i < 3; ++i) out[i] = 2 * (q[3] * d[i] - d[3] * q[i] + cross[i]) / square;
 }
 
 /* Of the two quaternions of a rotation, the one on the side of the first joint that weighs
@@ -127,16 +127,16 @@ void norma_skin_blend_dual(const skin_stream *s, size_t vertex, double b[SKIN_RO
     const size_t first = vertex * s->influences;
     double sum[8] = {0};
     const double *pivot = NULL;
-    for (int i = 0; i < SKIN_ROW; i++) b[i] = 0.0;
-    for (size_t k = 0; k < s->influences; k++) {
+    for (int i = 0; i < SKIN_ROW; ++i) b[i] = 0.0;
+    for (size_t k = 0; k < s->influences; ++k) {
         const double weight = (double)s->skin->weights[first + k];
         if (weight == 0.0) continue;
         const uint32_t j = norma_index_read(s->joints, s->joint_size, first + k);
         if (!pivot) pivot = s->duals[j];
         double along = 0.0;
-        for (int i = 0; i < 4; i++) along += s->duals[j][i] * pivot[i];
-        for (int i = 0; i < 8; i++) sum[i] += (along < 0 ? -weight : weight) * s->duals[j][i];
-        for (int i = 0; i < 9; i++) b[i] += weight * s->rows[j][i];
+        for (int i = 0; i < 4; ++i) along += s->duals[j][i] * pivot[i];
+        for (int i = 0; i < 8; ++i) sum[i] += (along < 0 ? -weight : weight) * s->duals[j][i];
+        for (int i = 0; i < 9; ++i) b[i] += weight * s->rows[j][i];
     }
     if (!pivot) return;
     double square = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3];

@@ -32,7 +32,7 @@ static void join_parts(long_sum *s) {
 static void add_exactly(long_sum *s, double number) {
     int kept = 0;
     if (s->count == LARGEST_SUM) join_parts(s);
-    for (int i = 0; i < s->count; i++) {
+    for (int i = 0; i < s->count; ++i) {
         const double sum = number + s->part[i], other = sum - number;
         const double rest = (number - (sum - other)) + (s->part[i] - other);
         number = sum;
@@ -44,22 +44,22 @@ static void add_exactly(long_sum *s, double number) {
 
 static void blend_exactly(const skin_stream *s, size_t vertex, long_sum b[9]) {
     const size_t first = vertex * s->influences;
-    for (int i = 0; i < 9; i++) b[i].count = 0;
-    for (size_t k = 0; k < s->influences; k++) {
+    for (int i = 0; i < 9; ++i) b[i].count = 0;
+    for (size_t k = 0; k < s->influences; ++k) {
         const double weight = (double)s->skin->weights[first + k];
         const double *row = s->rows[norma_index_read(s->joints, s->joint_size, first + k)];
-        for (int i = 0; i < 9; i++) /* the product of two floats is exact in a double */
+        for (int i = 0; i < 9; ++i) /* the product of two floats is exact in a double */
             if (weight != 0.0) add_exactly(&b[i], weight * row[i]);
     }
-    for (int i = 0; i < 9; i++) join_parts(&b[i]);
+    for (int i = 0; i < 9; ++i) join_parts(&b[i]);
 }
 
 /* Adds a b c, or takes it away. */
 static void add_products(
     exact_sum *sum, const long_sum *a, const long_sum *b, const double *c, int c_count, int minus) {
-    for (int i = 0; i < a->count; i++)
-        for (int j = 0; j < b->count; j++)
-            for (int k = 0; k < c_count; k++)
+    for (int i = 0; i < a->count; ++i)
+        for (int j = 0; j < b->count; ++j)
+            for (int k = 0; k < c_count; ++k)
                 norma_exact_add(sum, (const double[]){a->part[i], b->part[j], c[k]}, 3, minus);
 }
 
@@ -75,7 +75,7 @@ static void add_exact_cross(exact_sum *sum, const long_sum *b, int first, int se
 static scaled_number exact_component(const long_sum b[9], const double n[3], int row) {
     exact_sum sum;
     norma_exact_clear(&sum);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; ++c)
         if (n[c] != 0.0) add_exact_cross(&sum, b, (c + 1) % 3, (c + 2) % 3, row, &n[c], 1);
     return norma_exact_round(&sum);
 }
@@ -83,7 +83,7 @@ static scaled_number exact_component(const long_sum b[9], const double n[3], int
 static int exactly_mirrors(const long_sum b[9]) {
     exact_sum sum;
     norma_exact_clear(&sum);
-    for (int row = 0; row < 3; row++)
+    for (int row = 0; row < 3; ++row)
         add_exact_cross(&sum, b, 1, 2, row, b[row].part, b[row].count);
     return norma_exact_round(&sum).mantissa < 0.0;
 }
@@ -93,13 +93,13 @@ int norma_skin_exact_normal(const skin_stream *s, size_t vertex, const double n[
     scaled_number v[3];
     blend_exactly(s, vertex, b);
     int most = INT32_MIN;
-    for (int r = 0; r < 3; r++) {
+    for (int r = 0; r < 3; ++r) {
         v[r] = exact_component(b, n, r);
         if (v[r].mantissa != 0.0 && v[r].exponent > most) most = v[r].exponent;
     }
     if (most == INT32_MIN) return 0;
     const double sign = exactly_mirrors(b) ? -1.0 : 1.0;
-    for (int r = 0; r < 3; r++)
+    for (int r = 0; r < 3; ++r)
         out[r] = v[r].mantissa == 0.0 || v[r].exponent - most < -200
                      ? 0.0
                      : sign * ldexp(v[r].mantissa, v[r].exponent - most);

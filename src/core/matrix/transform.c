@@ -69,7 +69,7 @@ typedef struct product_eight {
  * the rounding of the sum. */
 CORE_IN_REGISTERS product_eight product(const __m512d m[9], __m512d x, __m512d y, __m512d z) {
     product_eight p;
-    for (int r = 0; r < 3; r++)
+    for (int r = 0; r < 3; ++r)
         p.axis[r] =
             _mm512_fmadd_pd(m[6 + r], z, _mm512_fmadd_pd(m[3 + r], y, _mm512_mul_pd(m[r], x)));
     p.square = _mm512_add_pd(
@@ -108,7 +108,7 @@ CORE_IN_REGISTERS void close_sixteen(const opened_sixteen *o, float *out) {
     const __m512d low = one_over_length(o->low.square, low_as_doubles(o->about)),
                   high = one_over_length(o->high.square, high_as_doubles(o->about));
     __m512 v[3];
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         v[k] = as_floats(_mm512_mul_pd(o->low.axis[k], low), _mm512_mul_pd(o->high.axis[k], high));
     put_axes_together(v, out);
 }
@@ -120,7 +120,7 @@ static CORE_FOR_AVX512 size_t core_units_avx512(
     __m512d m[9];
     opened_sixteen o, next;
     size_t done = 0;
-    for (int i = 0; i < 9; i++) m[i] = _mm512_set1_pd(matrix[i]);
+    for (int i = 0; i < 9; ++i) m[i] = _mm512_set1_pd(matrix[i]);
     if (count < 16) return 0;
     open_sixteen(m, in, &o);
     for (; o.safe == UINT16_MAX && count - done >= 32; done += 16) {
@@ -173,7 +173,7 @@ typedef struct products {
  * some squared length is not safely within the floats. */
 CORE_INLINE int products_of_block(const double m[9], const lanes *in, products *p) {
     int unsafe = 0;
-    for (int i = 0; i < NORMALS_IN_BLOCK; i++) {
+    for (int i = 0; i < NORMALS_IN_BLOCK; ++i) {
         const double a = (double)in->x[i], b = (double)in->y[i], c = (double)in->z[i];
         const double x = m[0] * a + m[3] * b + m[6] * c, y = m[1] * a + m[4] * b + m[7] * c,
                      z = m[2] * a + m[5] * b + m[8] * c;
@@ -183,14 +183,14 @@ CORE_INLINE int products_of_block(const double m[9], const lanes *in, products *
         p->exact_square[i] = x * x + y * y + z * z;
         p->square[i] = (float)p->exact_square[i];
     }
-    for (int i = 0; i < NORMALS_IN_BLOCK; i++)
+    for (int i = 0; i < NORMALS_IN_BLOCK; ++i)
         unsafe |= !(p->square[i] >= 0x1p-120f) | !(p->square[i] <= 0x1p120f);
     return unsafe;
 }
 
 CORE_INLINE void units_of_block(products *p, lanes *out) {
-    for (int i = 0; i < NORMALS_IN_BLOCK; i++) p->about[i] = about_one_over_length(p->square[i]);
-    for (int i = 0; i < NORMALS_IN_BLOCK; i++) {
+    for (int i = 0; i < NORMALS_IN_BLOCK; ++i) p->about[i] = about_one_over_length(p->square[i]);
+    for (int i = 0; i < NORMALS_IN_BLOCK; ++i) {
         const double factor = one_over_length_of(p->exact_square[i], p->about[i]);
         out->x[i] = (float)(p->x[i] * factor);
         out->y[i] = (float)(p->y[i] * factor);
@@ -241,15 +241,15 @@ static void unit_of_any_size(const double m[9], const double in[3], float out[3]
     double n[3] = {in[0], in[1], in[2]}, v[3];
     out[0] = out[1] = out[2] = 0.0f;
     if (!norma_vec3_scale(n)) return;
-    for (int r = 0; r < 3; r++) v[r] = m[r] * n[0] + m[3 + r] * n[1] + m[6 + r] * n[2];
+    for (int r = 0; r < 3; ++r) v[r] = m[r] * n[0] + m[3 + r] * n[1] + m[6 + r] * n[2];
     if (!norma_vec3_unit(v)) return;
-    for (int r = 0; r < 3; r++) out[r] = (float)v[r];
+    for (int r = 0; r < 3; ++r) out[r] = (float)v[r];
 }
 
 /* The same operations as in a block. */
 static void unit_of_one(const double m[9], const double in[3], float out[3]) {
     double v[3];
-    for (int r = 0; r < 3; r++) v[r] = m[r] * in[0] + m[3 + r] * in[1] + m[6 + r] * in[2];
+    for (int r = 0; r < 3; ++r) v[r] = m[r] * in[0] + m[3 + r] * in[1] + m[6 + r] * in[2];
     const double exact_square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     const float square = (float)exact_square;
     if (!(square >= 0x1p-120f && square <= 0x1p120f)) {
@@ -257,12 +257,12 @@ static void unit_of_one(const double m[9], const double in[3], float out[3]) {
         return;
     }
     const double factor = one_over_length_of(exact_square, about_one_over_length(square));
-    for (int r = 0; r < 3; r++) out[r] = (float)(v[r] * factor);
+    for (int r = 0; r < 3; ++r) out[r] = (float)(v[r] * factor);
 }
 
 static void units_one_by_one(const double m[9], const norma_vec3_view *in, size_t first, size_t end,
     unsigned char *out, size_t out_stride) {
-    for (size_t i = first; i < end; i++) {
+    for (size_t i = first; i < end; ++i) {
         double v[3];
         float unit[3];
         norma_view_read(in, i, v);
@@ -278,7 +278,7 @@ norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_vi
     if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
     if (result) return result;
     double m[9];
-    for (int i = 0; i < 9; i++) m[i] = (double)normal_matrix[i];
+    for (int i = 0; i < 9; ++i) m[i] = (double)normal_matrix[i];
     const int blocks = in.format == NORMA_FORMAT_FLOAT && norma_view_stride(&in) == 12 &&
                        out_stride == 12 && (uintptr_t)in.data % sizeof(float) == 0 &&
                        (uintptr_t)out % sizeof(float) == 0;
@@ -308,7 +308,7 @@ typedef struct block {
 } block;
 
 static void load_block_floats(const unsigned char *from, size_t stride, size_t count, block *b) {
-    for (size_t i = 0; i < count; i++, from += stride) {
+    for (size_t i = 0; i < count; ++i, from += stride) {
         float v[3];
         memcpy(v, from, sizeof v);
         b->x[i] = (double)v[0];
@@ -320,7 +320,7 @@ static void load_block_floats(const unsigned char *from, size_t stride, size_t c
 static void load_tight_floats(const unsigned char *from, block *b) {
     float v[3 * POSITIONS_IN_BLOCK];
     memcpy(v, from, sizeof v);
-    for (size_t i = 0; i < POSITIONS_IN_BLOCK; i++) {
+    for (size_t i = 0; i < POSITIONS_IN_BLOCK; ++i) {
         b->x[i] = (double)v[3 * i];
         b->y[i] = (double)v[3 * i + 1];
         b->z[i] = (double)v[3 * i + 2];
@@ -339,7 +339,7 @@ static inline void load_block(const norma_vec3_view *in, size_t first, size_t co
             load_block_floats(from, stride, count, b);
         return;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double v[3];
         norma_view_read(in, first + i, v);
         b->x[i] = v[0];
@@ -351,7 +351,7 @@ static inline void load_block(const norma_vec3_view *in, size_t first, size_t co
 static inline void store_block(const block *b, size_t count, unsigned char *to, size_t stride) {
     if (stride == 12 && count == POSITIONS_IN_BLOCK) {
         float v[3 * POSITIONS_IN_BLOCK];
-        for (size_t i = 0; i < POSITIONS_IN_BLOCK; i++) {
+        for (size_t i = 0; i < POSITIONS_IN_BLOCK; ++i) {
             v[3 * i] = (float)b->x[i];
             v[3 * i + 1] = (float)b->y[i];
             v[3 * i + 2] = (float)b->z[i];
@@ -359,19 +359,19 @@ static inline void store_block(const block *b, size_t count, unsigned char *to, 
         memcpy(to, v, sizeof v);
         return;
     }
-    for (size_t i = 0; i < count; i++, to += stride) {
+    for (size_t i = 0; i < count; ++i, to += stride) {
         const float v[3] = {(float)b->x[i], (float)b->y[i], (float)b->z[i]};
         memcpy(to, v, sizeof v);
     }
 }
 
 static void store_doubles(const block *b, size_t count, unsigned char *to, size_t stride) {
-    for (size_t i = 0; i < count; i++, to += stride)
+    for (size_t i = 0; i < count; ++i, to += stride)
         memcpy(to, (const double[]){b->x[i], b->y[i], b->z[i]}, 3 * sizeof(double));
 }
 
 static void positions_of_block(const double a[16], block *b) {
-    for (int i = 0; i < POSITIONS_IN_BLOCK; i++) {
+    for (int i = 0; i < POSITIONS_IN_BLOCK; ++i) {
         const double x = b->x[i], y = b->y[i], z = b->z[i];
         b->x[i] = a[0] * x + a[4] * y + a[8] * z + a[12];
         b->y[i] = a[1] * x + a[5] * y + a[9] * z + a[13];
@@ -423,9 +423,9 @@ norma_result norma_transform_positions_double(
  * perpendicular. */
 static void perpendicular_to(const double n[3], double out[3]) {
     int axis = 0;
-    for (int i = 1; i < 3; i++)
+    for (int i = 1; i < 3; ++i)
         if (fabs(n[i]) < fabs(n[axis])) axis = i;
-    for (int i = 0; i < 3; i++) out[i] = (i == axis ? 1.0 : 0.0) - n[axis] * n[i];
+    for (int i = 0; i < 3; ++i) out[i] = (i == axis ? 1.0 : 0.0) - n[axis] * n[i];
     (void)norma_vec3_unit(out);
 }
 
@@ -434,12 +434,12 @@ void norma_core_perpendicular_tangent(
     double n[3] = {normal[0], normal[1], normal[2]}, t[3] = {tangent[0], tangent[1], tangent[2]};
     const int has_normal = norma_vec3_unit(n), has_tangent = norma_vec3_unit(t);
     if (!has_normal) {
-        for (int i = 0; i < 3; i++) out[i] = has_tangent ? t[i] : (i == 0 ? 1.0 : 0.0);
+        for (int i = 0; i < 3; ++i) out[i] = has_tangent ? t[i] : (i == 0 ? 1.0 : 0.0);
         return;
     }
     if (has_tangent) {
         const double along = norma_core_dot(n, t);
-        for (int i = 0; i < 3; i++) out[i] = t[i] - along * n[i];
+        for (int i = 0; i < 3; ++i) out[i] = t[i] - along * n[i];
         if (norma_core_dot(out, out) > NOTHING_LEFT * NOTHING_LEFT) {
             (void)norma_vec3_unit(out);
             return;
@@ -468,16 +468,16 @@ static norma_result check_tangent_stream(tangent_stream *s, size_t capacity) {
 
 /* linear: nine numbers, column after column, or NULL for tangents that stay where they are. */
 static void run_tangents(const tangent_stream *s, const double *linear, float sign) {
-    for (size_t i = 0; i < s->count; i++) {
+    for (size_t i = 0; i < s->count; ++i) {
         float in[4], out[4];
         memcpy(in, (const unsigned char *)s->tangents + i * s->stride, sizeof in);
         double t[3] = {(double)in[0], (double)in[1], (double)in[2]}, moved[3], normal[3], unit[3];
-        for (int r = 0; r < 3; r++)
+        for (int r = 0; r < 3; ++r)
             moved[r] =
                 linear ? linear[r] * t[0] + linear[3 + r] * t[1] + linear[6 + r] * t[2] : t[r];
         norma_view_read(s->normals, i, normal);
         norma_core_perpendicular_tangent(normal, moved, unit);
-        for (int r = 0; r < 3; r++) out[r] = (float)unit[r];
+        for (int r = 0; r < 3; ++r) out[r] = (float)unit[r];
         out[3] = in[3] * sign;
         memcpy((unsigned char *)s->out + i * s->out_stride, out, sizeof out);
     }
@@ -513,9 +513,9 @@ norma_result norma_interpolate_normal(const float a[3], const float b[3], const 
     if (!a || !b || !c || !barycentric || !normal) return NORMA_ERROR_ARGUMENT;
     const float *corner[3] = {a, b, c};
     double sum[3] = {0.0, 0.0, 0.0}, terms = 0.0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double term[3];
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             term[i] = (double)corner[k][i] * (double)barycentric[k];
             sum[i] += term[i];
         }
@@ -523,6 +523,6 @@ norma_result norma_interpolate_normal(const float a[3], const float b[3], const 
     }
     const double length = sqrt(norma_core_dot(sum, sum));
     const int kept = length > CANCELLED * terms && length <= DBL_MAX;
-    for (int i = 0; i < 3; i++) normal[i] = kept ? (float)(sum[i] / length) : 0.0f;
+    for (int i = 0; i < 3; ++i) normal[i] = kept ? (float)(sum[i] / length) : 0.0f;
     return NORMA_OK;
 }

@@ -61,7 +61,7 @@ CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, corner_ki
 
 CORE_INLINE void count_range(
     const core_mesh *mesh, size_t begin, size_t end, uint32_t *counts, corner_kind kind) {
-    for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, kind)]++;
+    for (size_t c = begin; c < end; ++c) ++counts[position_of(mesh, c, kind)];
 }
 
 static void count_part(void *context, size_t part) {
@@ -79,9 +79,9 @@ static void add_up_range(void *context, size_t range) {
     uint32_t *sums = w->corners_of->starts + 1, listed = 0, most = 0;
     const uint32_t *first = counts_of_part(w, 0);
     const size_t end = range_begin(w, range + 1);
-    for (size_t p = range_begin(w, range); p < end; p++) {
+    for (size_t p = range_begin(w, range); p < end; ++p) {
         uint32_t count = first[p];
-        for (size_t part = 1; part < w->parts; part++) count += counts_of_part(w, part)[p];
+        for (size_t part = 1; part < w->parts; ++part) count += counts_of_part(w, part)[p];
         sums[p] = count;
         listed += count;
         most = count > most ? count : most;
@@ -95,8 +95,8 @@ static void add_up_range(void *context, size_t range) {
 static void turn_into_places(const part_work *w, size_t range) {
     uint32_t *places = w->corners_of->starts + 1, sum = 0;
     const size_t end = range_begin(w, range + 1);
-    for (size_t before = 0; before < range; before++) sum += w->listed[before];
-    for (size_t p = range_begin(w, range); p < end; p++) {
+    for (size_t before = 0; before < range; ++before) sum += w->listed[before];
+    for (size_t p = range_begin(w, range); p < end; ++p) {
         const uint32_t count = places[p];
         places[p] = sum;
         sum += count;
@@ -107,7 +107,7 @@ CORE_INLINE void place_between(
     const part_work *w, uint32_t first, uint32_t count, corner_kind kind) {
     const core_mesh *mesh = w->mesh;
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
-    for (size_t c = 0; c < mesh->corner_count; c++) {
+    for (size_t c = 0; c < mesh->corner_count; ++c) {
         const uint32_t p = position_of(mesh, c, kind);
         if (p - first < count) corners[places[p]++] = (uint32_t)c;
     }
@@ -115,7 +115,7 @@ CORE_INLINE void place_between(
 
 CORE_INLINE void place_all(const part_work *w, corner_kind kind) {
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
-    for (size_t c = 0; c < w->mesh->corner_count; c++)
+    for (size_t c = 0; c < w->mesh->corner_count; ++c)
         corners[places[position_of(w->mesh, c, kind)]++] = (uint32_t)c;
 }
 
@@ -131,8 +131,8 @@ static void place_range(void *context, size_t range) {
 }
 
 static void name_faces(const core_mesh *mesh, core_corners_of_position *corners_of) {
-    for (size_t f = 0; f < mesh->face_count; f++)
-        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+    for (size_t f = 0; f < mesh->face_count; ++f)
+        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c)
             corners_of->faces[c] = (uint32_t)f;
 }
 
@@ -164,7 +164,7 @@ static norma_result place_corners_by_position(
     if (result == NORMA_OK) result = run_step(call, &w, half, half, w.ranges, add_up_range);
     if (result == NORMA_OK) result = run_step(call, &w, half, to, w.ranges, place_range);
     corners_of->starts[0] = 0;
-    for (size_t range = 0; range < w.ranges; range++)
+    for (size_t range = 0; range < w.ranges; ++range)
         if (w.most[range] > corners_of->most) corners_of->most = w.most[range];
     return result;
 }

@@ -70,7 +70,7 @@ uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner) {
 
 CORE_INLINE void read_corners(
     const void *corners, size_t size, size_t begin, size_t count, uint32_t *positions) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         positions[i] = size ? norma_index_read(corners, size, begin + i) : (uint32_t)(begin + i);
 }
 
@@ -105,7 +105,7 @@ norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fa
     if (starts[0] != 0 || starts[faces] != mesh->corner_count)
         return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh->face_starts",
             starts[0] != 0 ? 0 : faces, "0 at the first and mesh->corner_count at the last");
-    for (size_t f = 0; f < faces; f++)
+    for (size_t f = 0; f < faces; ++f)
         if (starts[f] > starts[f + 1])
             return norma_core_refuse(
                 fault, NORMA_ERROR_ARGUMENT, "mesh->face_starts", f + 1, "at least the one before");
@@ -115,7 +115,7 @@ norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fa
 /* A mesh with face_starts may still consist of triangles only. */
 static int all_are_triangles(const core_mesh *mesh) {
     if (mesh->corner_count != 3 * mesh->face_count) return 0;
-    for (size_t f = 0; f < mesh->face_count; f++)
+    for (size_t f = 0; f < mesh->face_count; ++f)
         if (mesh->face_starts[f] != 3 * f) return 0;
     return 1;
 }
@@ -133,7 +133,7 @@ typedef struct corner_check {
 
 CORE_INLINE core_range range_of_indices(const unsigned char *corners, size_t count) {
     uint32_t least = UINT32_MAX, most = 0;
-    for (size_t c = 0; c < count; c++) {
+    for (size_t c = 0; c < count; ++c) {
         uint32_t index;
         memcpy(&index, corners + 4 * c, sizeof index);
         least = index < least ? index : least;
@@ -159,7 +159,7 @@ static core_range range_of_corners(const corner_check *check, size_t begin, size
     if (mesh->corner_size == 4)
         return check->range_of((const unsigned char *)mesh->corners + 4 * begin, end - begin);
     core_range range = {UINT32_MAX, 0};
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t index = norma_core_corner(mesh, c);
         range.least = index < range.least ? index : range.least;
         range.most = index > range.most ? index : range.most;
@@ -198,7 +198,7 @@ static norma_result check_corners(core_call *call, const core_mesh *mesh, core_r
 double norma_core_largest_coordinate(const core_mesh *mesh) {
     const unsigned char *at = mesh->positions.data;
     double largest = 0;
-    for (size_t i = 0; i < mesh->positions.count; i++, at += mesh->positions.stride) {
+    for (size_t i = 0; i < mesh->positions.count; ++i, at += mesh->positions.stride) {
         double p[3];
         memcpy(p, at, sizeof p);
         const double x = fabs(p[0]), y = fabs(p[1]), z = fabs(p[2]), xy = x > y ? x : y,
@@ -253,10 +253,10 @@ static uint32_t distance(uint32_t a, uint32_t b) { return a < b ? b - a : a - b;
 static double look_at(const core_mesh *mesh, size_t begin, size_t count) {
     uint32_t at[4];
     double sum = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t here = norma_core_corner(mesh, begin + i);
         uint32_t nearest = i < 4 ? 0 : UINT32_MAX;
-        for (size_t back = 2; back <= 4 && i >= 4; back++) {
+        for (size_t back = 2; back <= 4 && i >= 4; ++back) {
             const uint32_t found = distance(here, at[(i - back) % 4]);
             nearest = found < nearest ? found : nearest;
         }
@@ -273,7 +273,7 @@ int norma_core_is_scattered(const core_mesh *mesh) {
     const size_t count = mesh->corner_count;
     double sum = 0;
     if (count < (size_t)LOOKS * CORNERS_IN_LOOK) return 0;
-    for (size_t look = 0; look < LOOKS; look++)
+    for (size_t look = 0; look < LOOKS; ++look)
         sum += look_at(mesh, (count - CORNERS_IN_LOOK) / LOOKS * look, CORNERS_IN_LOOK);
     return FARTHEST * sum > (double)LOOKS * CORNERS_IN_LOOK * (double)mesh->positions.count;
 }

@@ -61,7 +61,7 @@ static inline void norma_core_double_position(
     const core_mesh *mesh, uint32_t index, double out[3]) {
     const unsigned char *at =
         (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         double p;
         memcpy(&p, at + i * sizeof p, sizeof p);
         out[i] = p * mesh->scale;
@@ -75,7 +75,7 @@ static inline void norma_core_position(const core_mesh *mesh, uint32_t index, do
     }
     const unsigned char *at =
         (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         float p;
         memcpy(&p, at + i * sizeof p, sizeof p); /* one by one: no detour through memory */
         out[i] = (double)p;

@@ -8,7 +8,7 @@ static double smaller_of(double a, double b) { return a < b ? a : b; }
 
 double norma_core_box_least(const core_box *a, const core_box *b) {
     double sum = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double gap =
             greater_of(0, greater_of(a->low[k] - b->high[k], b->low[k] - a->high[k]));
         sum += gap * gap;
@@ -18,7 +18,7 @@ double norma_core_box_least(const core_box *a, const core_box *b) {
 
 double norma_core_box_greatest(const core_box *a, const core_box *b) {
     double sum = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double span = greater_of(a->high[k] - b->low[k], b->high[k] - a->low[k]);
         sum += span * span;
     }
@@ -29,10 +29,10 @@ static core_box box_of(const core_kdtree *tree, size_t begin, size_t end) {
     core_box box;
     norma_core_position(tree->mesh, tree->sites[begin], box.low);
     memcpy(box.high, box.low, sizeof box.high);
-    for (size_t i = begin + 1; i < end; i++) {
+    for (size_t i = begin + 1; i < end; ++i) {
         double p[3];
         norma_core_position(tree->mesh, tree->sites[i], p);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             box.low[k] = smaller_of(box.low[k], p[k]);
             box.high[k] = greater_of(box.high[k], p[k]);
         }
@@ -42,7 +42,7 @@ static core_box box_of(const core_kdtree *tree, size_t begin, size_t end) {
 
 static int widest_side(const core_box *box) {
     int axis = 0;
-    for (int k = 1; k < 3; k++)
+    for (int k = 1; k < 3; ++k)
         if (box->high[k] - box->low[k] > box->high[axis] - box->low[axis]) axis = k;
     return axis;
 }
@@ -78,8 +78,8 @@ static void select_middle(core_kdtree *tree, size_t begin, size_t end, size_t mi
             key_of(tree, tree->sites[begin + (size_t)((mixed >> 20) % (end - begin))], axis);
         size_t i = begin, j = end - 1;
         for (;;) {
-            while (key_less(key_of(tree, tree->sites[i], axis), pivot)) i++;
-            while (key_less(pivot, key_of(tree, tree->sites[j], axis))) j--;
+            while (key_less(key_of(tree, tree->sites[i], axis), pivot)) ++i;
+            while (key_less(pivot, key_of(tree, tree->sites[j], axis))) --j;
             if (i >= j) break;
             const uint32_t site = tree->sites[i];
             tree->sites[i++] = tree->sites[j];
@@ -99,7 +99,7 @@ static uint32_t rank_of(const core_kdtree *tree, uint32_t site) {
 
 static void least_rank_first(core_kdtree *tree, size_t begin, size_t end) {
     size_t least = begin;
-    for (size_t i = begin + 1; i < end; i++)
+    for (size_t i = begin + 1; i < end; ++i)
         if (rank_of(tree, tree->sites[i]) < rank_of(tree, tree->sites[least])) least = i;
     const uint32_t site = tree->sites[least];
     tree->sites[least] = tree->sites[begin];
@@ -171,7 +171,7 @@ static void search_node(nearest_search *search, size_t node, size_t begin, size_
         return;
     }
     if (end - begin <= KDTREE_LEAF) {
-        for (size_t i = begin; i < end; i++) try_site(search, search->tree->sites[i]);
+        for (size_t i = begin; i < end; ++i) try_site(search, search->tree->sites[i]);
         return;
     }
     const size_t middle = begin + (end - begin) / 2;
@@ -237,10 +237,10 @@ void norma_core_nearest_end(core_nearest *nearest) {
 static uint32_t look_at_every_site(const core_nearest *nearest, const double point[3]) {
     uint32_t best = UINT32_MAX;
     double least = 0;
-    for (size_t i = 0; i < nearest->site_count; i++) {
+    for (size_t i = 0; i < nearest->site_count; ++i) {
         double p[3], sum = 0;
         norma_core_position(nearest->mesh, nearest->sites[i], p);
-        for (int k = 0; k < 3; k++) sum += (p[k] - point[k]) * (p[k] - point[k]);
+        for (int k = 0; k < 3; ++k) sum += (p[k] - point[k]) * (p[k] - point[k]);
         const uint32_t element = nearest->first_at[nearest->sites[i]];
         if (best != UINT32_MAX && !(sum < least || (sum == least && element < best))) continue;
         least = sum;
@@ -279,7 +279,7 @@ static uint32_t position_of_element(const core_elements *of, size_t element) {
 
 static void write_nearest(
     const core_elements *of, const core_output *output, core_nearest *nearest) {
-    for (size_t i = 0; i < of->count; i++) {
+    for (size_t i = 0; i < of->count; ++i) {
         float normal[3];
         if (of->normal(of->context, i, normal) == NORMA_REASON_NONE) continue;
         const uint32_t position = position_of_element(of, i),
@@ -298,7 +298,7 @@ norma_result norma_core_fill_nearest(
     core_nearest nearest;
     norma_result result = norma_core_nearest_begin(call, of->mesh, &nearest);
     if (result != NORMA_OK) return result;
-    for (size_t i = 0; i < of->count; i++) {
+    for (size_t i = 0; i < of->count; ++i) {
         float normal[3];
         if (of->normal(of->context, i, normal) == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, position_of_element(of, i), (uint32_t)i);

@@ -78,13 +78,13 @@ CORE_INLINE size_t for_slice(const welding *w, size_t slice, int first_time, see
     for (size_t i = share_of(w->keys->count, slice, w->slices); i < end; i += count) {
         count = end - i < IN_BATCH ? end - i : IN_BATCH;
         w->keys->hash(w->keys->context, i, count, hashes);
-        for (size_t k = 0; k < count; k++) {
+        for (size_t k = 0; k < count; ++k) {
             const uint32_t key = (uint32_t)(i + k);
             if (first_time) w->weld[key] = find_recent(w->keys, recent, key, hashes[k]);
             if (w->weld[key] == key)
                 see(w, cursors, key, hashes[k]);
             else
-                near++;
+                ++near;
         }
     }
     return near;
@@ -92,7 +92,7 @@ CORE_INLINE size_t for_slice(const welding *w, size_t slice, int first_time, see
 
 CORE_INLINE void count_key(const welding *w, uint32_t *counts, uint32_t key, uint64_t hash) {
     (void)key;
-    if (hash) counts[bucket_of(w, hash)]++;
+    if (hash) ++counts[bucket_of(w, hash)];
 }
 
 static void count_slice(void *context, size_t slice) {
@@ -118,7 +118,7 @@ static void follow_slice(void *context, size_t slice) {
     const welding *w = context;
     const size_t begin = share_of(w->keys->count, slice, w->slices),
                  end = share_of(w->keys->count, slice + 1, w->slices);
-    for (size_t i = begin; i < end && w->near[slice]; i++)
+    for (size_t i = begin; i < end && w->near[slice]; ++i)
         if (w->weld[i] >= begin) w->weld[i] = w->weld[w->weld[i]];
 }
 
@@ -126,9 +126,9 @@ static void follow_slice(void *context, size_t slice) {
  * holds. */
 static size_t place_buckets(const welding *w) {
     uint32_t sum = 0, most = 0;
-    for (size_t bucket = 0; bucket < buckets_of(w); bucket++) {
+    for (size_t bucket = 0; bucket < buckets_of(w); ++bucket) {
         w->starts[bucket] = sum;
-        for (size_t slice = 0; slice < w->slices; slice++) {
+        for (size_t slice = 0; slice < w->slices; ++slice) {
             uint32_t *cursor = &w->cursors[slice * buckets_of(w) + bucket];
             const uint32_t count = *cursor;
             *cursor = sum;
@@ -143,7 +143,7 @@ static size_t place_buckets(const welding *w) {
 /* Of a table for count entries, a power of two. */
 static int table_bits(size_t count) {
     int bits = 4;
-    while (((size_t)1 << bits) < count + count / 2) bits++;
+    while (((size_t)1 << bits) < count + count / 2) ++bits;
     return bits;
 }
 
@@ -154,7 +154,7 @@ static size_t weld_bucket(const weld_keys *keys, const weld_entry *entries, size
     const uint32_t mask = (uint32_t)(((uint64_t)1 << bits) - 1);
     size_t found = 0;
     memset(table, 0xff, ((size_t)1 << bits) * sizeof *table);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const weld_entry e = entries[i];
         uint32_t slot = (uint32_t)((uint64_t)e.tag >> (32 - bits));
         while (table[slot] != EMPTY &&
@@ -166,7 +166,7 @@ static size_t weld_bucket(const weld_keys *keys, const weld_entry *entries, size
             continue;
         }
         weld[e.index] = entries[table[slot]].index;
-        found++;
+        ++found;
     }
     return found;
 }
@@ -175,7 +175,7 @@ static void weld_group(void *context, size_t group) {
     welding *w = context;
     size_t found = 0;
     for (size_t bucket = share_of(buckets_of(w), group, w->groups);
-         bucket < share_of(buckets_of(w), group + 1, w->groups); bucket++)
+         bucket < share_of(buckets_of(w), group + 1, w->groups); ++bucket)
         found += weld_bucket(w->keys, w->entries + w->starts[bucket],
             w->starts[bucket + 1] - w->starts[bucket], w->tables + group * w->table_size, w->weld);
     w->found[group] = found;
@@ -193,7 +193,7 @@ static size_t weld_in_one(const weld_keys *keys, uint32_t *table, uint32_t *weld
     for (size_t i = 0; i < keys->count; i += count) {
         count = keys->count - i < IN_BATCH ? keys->count - i : IN_BATCH;
         keys->hash(keys->context, i, count, hashes);
-        for (size_t k = 0; k < count; k++) {
+        for (size_t k = 0; k < count; ++k) {
             const uint32_t key = (uint32_t)(i + k),
                            tag = (uint32_t)(hashes[k] >> (32 - bits)) & ~number;
             uint32_t slot = (uint32_t)(hashes[k] >> (64 - bits));
@@ -208,7 +208,7 @@ static size_t weld_in_one(const weld_keys *keys, uint32_t *table, uint32_t *weld
                 continue;
             }
             weld[key] = table[slot] & number;
-            found++;
+            ++found;
         }
     }
     return found;
@@ -227,8 +227,8 @@ static norma_result run_welding(core_call *call, welding *w, size_t *found) {
     if (!w->tables) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(call, w->groups, weld_group, w);
     if (result == NORMA_OK) result = norma_core_parallel(call, w->slices, follow_slice, w);
-    for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
-    for (size_t i = 0; i < w->slices && result == NORMA_OK; i++) *found += w->near[i];
+    for (size_t i = 0; i < w->groups && result == NORMA_OK; ++i) *found += w->found[i];
+    for (size_t i = 0; i < w->slices && result == NORMA_OK; ++i) *found += w->near[i];
     norma_core_release(call, w->tables, w->groups * w->table_size, sizeof *w->tables);
     return result;
 }
@@ -256,7 +256,7 @@ norma_result norma_core_weld_keys(
         return NORMA_OK;
     }
     welding w = {.keys = keys, .weld = weld, .slices = slices};
-    while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
+    while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) ++w.bits;
     w.entries = norma_core_allocate(call, count, sizeof *w.entries);
     w.cursors = norma_core_allocate(call, w.slices << w.bits, sizeof *w.cursors);
     w.starts = norma_core_allocate(call, buckets_of(&w) + 1, sizeof *w.starts);
@@ -284,7 +284,7 @@ typedef struct joiner {
 
 static void join_range(joiner *j, size_t node, size_t begin, size_t end) {
     if (j->whole[node]) return;
-    for (size_t i = begin + 1; i < end; i++)
+    for (size_t i = begin + 1; i < end; ++i)
         norma_core_join_sets(j->weld, j->tree.sites[begin], j->tree.sites[i]);
     j->whole[node] = 1;
 }
@@ -293,7 +293,7 @@ static double squared_distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
     double p[3], q[3], sum = 0;
     norma_core_position(mesh, a, p);
     norma_core_position(mesh, b, q);
-    for (int k = 0; k < 3; k++) sum += (p[k] - q[k]) * (p[k] - q[k]);
+    for (int k = 0; k < 3; ++k) sum += (p[k] - q[k]) * (p[k] - q[k]);
     return sum;
 }
 
@@ -317,8 +317,8 @@ static int is_leaf(const joiner *j, branch b) {
 }
 
 static void join_leaves(joiner *j, branch a, branch b) {
-    for (size_t i = a.begin; i < a.end; i++)
-        for (size_t k = b.begin; k < b.end; k++)
+    for (size_t i = a.begin; i < a.end; ++i)
+        for (size_t k = b.begin; k < b.end; ++k)
             if (squared_distance(j->tree.mesh, j->tree.sites[i], j->tree.sites[k]) <=
                 j->squared_step)
                 norma_core_join_sets(j->weld, j->tree.sites[i], j->tree.sites[k]);
@@ -373,7 +373,7 @@ static void join_within(joiner *j, branch b) {
 
 static size_t collect_distinct(const core_mesh *mesh, const uint32_t *weld, uint32_t *sites) {
     size_t count = 0;
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
         if (weld[i] == i && norma_core_finite(p)) sites[count++] = (uint32_t)i;
@@ -410,7 +410,7 @@ static norma_result core_weld_near(
         count ? join_sites(call, mesh, distance, weld, sites, count) : NORMA_OK;
     norma_core_release(call, sites, mesh->positions.count, sizeof *sites);
     if (result != NORMA_OK) return result;
-    for (size_t i = 0; i < mesh->positions.count; i++) weld[i] = weld[weld[i]];
+    for (size_t i = 0; i < mesh->positions.count; ++i) weld[i] = weld[weld[i]];
     return NORMA_OK;
 }
 
@@ -420,7 +420,7 @@ static norma_result core_weld_near(
 static void position_key(const core_mesh *mesh, uint32_t index, uint64_t key[3]) {
     double p[3];
     norma_core_position(mesh, index, p);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         p[k] += 0.0;
         memcpy(&key[k], &p[k], sizeof key[k]);
     }
@@ -445,7 +445,7 @@ static uint64_t hash_floats(const unsigned char *at) {
     float p[3];
     uint32_t bits[3];
     memcpy(p, at, sizeof p);
-    for (size_t k = 0; k < 3; k++) p[k] += 0.0F;
+    for (size_t k = 0; k < 3; ++k) p[k] += 0.0F;
     memcpy(bits, p, sizeof bits);
     const float all = p[0] + p[1] + p[2]; /* not a number also where infinities cancel */
     if (all != all && (p[0] != p[0] || p[1] != p[1] || p[2] != p[2])) return 0;
@@ -460,10 +460,10 @@ static void hash_positions(const void *context, size_t first, size_t count, uint
     const size_t stride = mesh->positions.stride;
     const unsigned char *data = (const unsigned char *)mesh->positions.data + first * stride;
     if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
-        for (size_t i = 0; i < count; i++) hashes[i] = hash_floats(data + i * stride);
+        for (size_t i = 0; i < count; ++i) hashes[i] = hash_floats(data + i * stride);
         return;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         uint64_t key[3];
         position_key(mesh, (uint32_t)(first + i), key);
         hashes[i] = key_has_nan(key) ? 0 : hash_key(key);

@@ -24,13 +24,13 @@ static void key_of_vertex(const morph *m, uint32_t vertex, double key[4]) {
     key[1] = key[2] = key[3] = 0;
     if (!m->normals) return;
     norma_view_read(m->normals, vertex, key + 1);
-    for (int k = 1; k < 4; k++) key[k] += 0.0; /* -0 becomes 0 */
+    for (int k = 1; k < 4; ++k) key[k] += 0.0; /* -0 becomes 0 */
 }
 
 static size_t hash_of_key(const double key[4]) {
     uint64_t hash = 0, bits[4];
     memcpy(bits, key, sizeof bits);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         hash = (hash ^ bits[k]) * UINT64_C(0x9e3779b97f4a7c15);
         hash ^= hash >> 29;
     }
@@ -38,7 +38,7 @@ static size_t hash_of_key(const double key[4]) {
 }
 
 static void find_morph_groups(morph *m, uint32_t *table, size_t size) {
-    for (uint32_t v = 0; v < m->mesh.positions.count; v++) {
+    for (uint32_t v = 0; v < m->mesh.positions.count; ++v) {
         double key[4], other[4];
         key_of_vertex(m, v, key);
         size_t at = hash_of_key(key) & (size - 1);
@@ -62,7 +62,7 @@ static norma_result group(morph *m) {
     memset(table, 0, size * sizeof *table);
     find_morph_groups(m, table, size);
     norma_core_release(m->call, table, size, sizeof *table);
-    for (size_t c = 0; c < m->mesh.corner_count; c++)
+    for (size_t c = 0; c < m->mesh.corner_count; ++c)
         m->corners[c] = m->group_of[norma_core_corner(&m->mesh, c)];
     return NORMA_OK;
 }
@@ -114,7 +114,7 @@ static norma_options plan_options(const morph *m, uint8_t *reasons) {
 static norma_result normals_at(
     morph *m, const norma_vec3_view *positions, float (*normals)[3], uint8_t *reasons) {
     const norma_options options = plan_options(m, reasons);
-    for (size_t g = 0; g < m->group_count; g++)
+    for (size_t g = 0; g < m->group_count; ++g)
         norma_view_read(positions, m->first_of[g], m->positions[g]);
     return norma_plan_update(m->plan,
         (norma_vec3_view){m->positions, m->group_count, 0, NORMA_FORMAT_DOUBLE}, NULL, 0, &options,
@@ -127,7 +127,7 @@ static norma_result prepare_base(morph *m) {
     if (result == NORMA_OK && !take_room(m)) result = NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) result = group(m);
     if (result != NORMA_OK) return result;
-    for (size_t g = 0; g < m->group_count; g++)
+    for (size_t g = 0; g < m->group_count; ++g)
         norma_view_read(&m->mesh.positions, m->first_of[g], m->positions[g]);
     const norma_mesh groups = {
         .positions = {m->positions, m->group_count, 0, NORMA_FORMAT_DOUBLE},
@@ -154,7 +154,7 @@ static int delta_of(const morph *m, uint32_t vertex, float smallest, float delta
     const uint32_t g = m->group_of[vertex];
     double square = 0;
     if (m->reasons[g] || m->base_reasons[g]) return 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         delta[k] = m->moved[g][k] - m->base[g][k];
         square += (double)delta[k] * (double)delta[k];
     }
@@ -162,19 +162,19 @@ static int delta_of(const morph *m, uint32_t vertex, float smallest, float delta
 }
 
 static void add_target_deltas(const morph *m, float smallest, morph_output *out) {
-    for (uint32_t v = 0; v < m->mesh.positions.count; v++) {
+    for (uint32_t v = 0; v < m->mesh.positions.count; ++v) {
         float delta[3];
         if (!delta_of(m, v, smallest, delta)) continue;
         if (out->vertices) out->vertices[out->count] = v;
         if (out->deltas) memcpy(out->deltas + 3 * out->count, delta, sizeof delta);
-        out->count++;
+        ++out->count;
     }
 }
 
 /* starts: NULL, or where the target's deltas begin. */
 static norma_result each_target(morph *m, const norma_vec3_view *targets, size_t count,
     float smallest, size_t *starts, morph_output *out) {
-    for (size_t t = 0; t < count; t++) {
+    for (size_t t = 0; t < count; ++t) {
         const norma_result result = normals_at(m, &targets[t], m->moved, m->reasons);
         if (result != NORMA_OK) return result;
         if (starts) starts[t] = out->count;
@@ -218,7 +218,7 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
     if (result == NORMA_OK) norma_core_share(&call, m.mesh.corner_count);
     if (result == NORMA_OK && base_normals)
         result = check_view(base_normals, m.mesh.positions.count);
-    for (size_t t = 0; t < target_count && result == NORMA_OK; t++)
+    for (size_t t = 0; t < target_count && result == NORMA_OK; ++t)
         result = check_view(&targets[t], m.mesh.positions.count);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &m.mesh);
     if (result != NORMA_OK) return result;

@@ -35,22 +35,22 @@ static norma_result keep_mesh(norma_plan *plan, const core_mesh *mesh) {
         .face_starts = starts,
         .face_count = mesh->face_count,
         .scale = mesh->scale};
-    for (size_t f = 0; f < mesh->face_count && starts; f++) {
+    for (size_t f = 0; f < mesh->face_count && starts; ++f) {
         if (starts[f] == starts[f + 1]) norma_core_count_one(&plan->empty_faces, f);
-        for (uint32_t c = starts[f]; c < starts[f + 1]; c++) plan->corner_faces[c] = (uint32_t)f;
+        for (uint32_t c = starts[f]; c < starts[f + 1]; ++c) plan->corner_faces[c] = (uint32_t)f;
     }
     return NORMA_OK;
 }
 
 static norma_result keep_weld(norma_plan *plan, const core_mesh *mesh) {
     size_t shared = 0;
-    for (size_t v = 0; v < plan->vertex_count && mesh->weld; v++) shared += mesh->weld[v] != v;
+    for (size_t v = 0; v < plan->vertex_count && mesh->weld; ++v) shared += mesh->weld[v] != v;
     if (!shared) return NORMA_OK;
     uint32_t *weld = norma_core_plan_keep(plan, plan->vertex_count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
     memcpy(weld, mesh->weld, plan->vertex_count * sizeof *weld);
     plan->mesh.weld = weld;
-    for (size_t c = 0; c < mesh->corner_count && !plan->corner_faces; c++)
+    for (size_t c = 0; c < mesh->corner_count && !plan->corner_faces; ++c)
         plan->narrow |= !norma_core_is_kept(&plan->mesh, c / 3, c);
     return NORMA_OK;
 }
@@ -63,8 +63,8 @@ static norma_result list_corners_of_vertices(norma_plan *plan) {
              *at = norma_core_plan_keep(plan, mesh->corner_count, sizeof *at), sum = 0;
     if (!starts || !at) return NORMA_ERROR_MEMORY;
     memset(starts, 0, (plan->vertex_count + 1) * sizeof *starts);
-    for (size_t c = 0; c < mesh->corner_count; c++) starts[norma_core_corner(mesh, c)]++;
-    for (size_t v = 0; v < plan->vertex_count; v++) {
+    for (size_t c = 0; c < mesh->corner_count; ++c) ++starts[norma_core_corner(mesh, c)];
+    for (size_t v = 0; v < plan->vertex_count; ++v) {
         plan->unreferenced_count += !starts[v];
         starts[v] = sum += starts[v];
     }
@@ -83,7 +83,7 @@ static void count_group(void *context, const uint32_t *members, size_t member_co
     listing *l = context;
     (void)members;
     (void)vertices;
-    l->group_count++;
+    ++l->group_count;
     l->member_count += member_count;
     l->vertex_count += vertex_count;
 }
@@ -105,7 +105,7 @@ static void list_group(void *context, const uint32_t *members, size_t member_cou
 static norma_result for_each_group(listing *l, plan_group_receiver *receive) {
     const size_t positions = l->plan->vertex_count;
     l->group_count = l->member_count = l->vertex_count = 0;
-    for (size_t p = 0; p < positions; p++) {
+    for (size_t p = 0; p < positions; ++p) {
         if (p % POSITIONS_BETWEEN_TELLING == 0 &&
             norma_core_progress(l->groups->prepared->call, (double)p / (double)positions))
             return NORMA_CANCELLED;
@@ -122,7 +122,7 @@ static norma_result list_unreferenced(listing *l) {
     plan->unreferenced =
         norma_core_plan_keep(plan, plan->unreferenced_count, sizeof *plan->unreferenced);
     if (!plan->unreferenced) return NORMA_ERROR_MEMORY;
-    for (uint32_t v = 0; v < plan->vertex_count; v++) {
+    for (uint32_t v = 0; v < plan->vertex_count; ++v) {
         if (plan->at_starts[v] != plan->at_starts[v + 1]) continue;
         plan->unreferenced[found++] = v;
         list_group(l, NULL, 0, &v, 1);
@@ -157,8 +157,8 @@ static norma_result keep_lists(listing *l) {
 static size_t set_targets(norma_plan *plan, uint32_t *targets, uint64_t *others) {
     size_t found = 0;
     memset(targets, 0xff, plan->mesh.corner_count * sizeof *targets);
-    for (uint32_t g = 0; g < plan->group_count; g++)
-        for (uint32_t i = plan->member_starts[g]; i < plan->member_starts[g + 1]; i++) {
+    for (uint32_t g = 0; g < plan->group_count; ++g)
+        for (uint32_t i = plan->member_starts[g]; i < plan->member_starts[g + 1]; ++i) {
             uint32_t *target = &targets[plan->members[i]];
             if (*target == UINT32_MAX) {
                 *target = g;
@@ -167,7 +167,7 @@ static size_t set_targets(norma_plan *plan, uint32_t *targets, uint64_t *others)
             if (others) others[found] = norma_core_pair(plan->members[i], g);
             if (others) norma_core_mark_bit(plan->apart, g);
             if (others) norma_core_mark_bit(plan->apart, *target);
-            found++;
+            ++found;
         }
     return found;
 }
@@ -232,7 +232,7 @@ size_t norma_plan_bytes(const norma_plan *plan) { return plan ? plan->bytes : 0;
 
 void norma_plan_destroy(norma_plan *plan) {
     if (!plan) return;
-    for (size_t i = 0; i < plan->store_count; i++)
+    for (size_t i = 0; i < plan->store_count; ++i)
         norma_core_release(
             &plan->memory, plan->stores[i].memory, plan->stores[i].count, plan->stores[i].size);
     const core_call memory = plan->memory;

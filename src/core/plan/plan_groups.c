@@ -14,14 +14,14 @@ static void note_fans(void *context, const core_fans *fans, core_tally *tally) {
     uint32_t *lead = context;
     (void)tally;
     for (size_t i = fans->count; i-- > 0;) fans->members[fans->fan_of[i]].index = fans->corners[i];
-    for (size_t i = 0; i < fans->count; i++)
+    for (size_t i = 0; i < fans->count; ++i)
         lead[fans->corners[i]] = fans->members[fans->fan_of[i]].index;
 }
 
 static int one_vertex(const core_prepared_mesh *prepared, size_t position) {
     const core_corners_of_position *corners_of = &prepared->corners_of;
     const uint32_t begin = corners_of->starts[position], end = corners_of->starts[position + 1];
-    for (uint32_t i = begin + 1; i < end; i++)
+    for (uint32_t i = begin + 1; i < end; ++i)
         if (norma_core_corner(&prepared->mesh, corners_of->corners[i]) !=
             norma_core_corner(&prepared->mesh, corners_of->corners[begin]))
             return 0;
@@ -39,7 +39,7 @@ static norma_result choose_stars(
     if (!prepared->mesh.weld) return NORMA_OK;
     *skip = norma_core_allocate(prepared->call, count, 1);
     if (!*skip) return NORMA_ERROR_MEMORY;
-    for (size_t p = 0; p < count; p++) {
+    for (size_t p = 0; p < count; ++p) {
         (*skip)[p] = (uint8_t)one_vertex(prepared, p);
         *any |= !(*skip)[p];
     }
@@ -109,7 +109,7 @@ static uint32_t low_of(uint64_t p) { return (uint32_t)p; }
 
 static size_t drop_repeated_pairs(uint64_t *pairs, size_t count) {
     size_t kept = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (i == 0 || pairs[i] != pairs[i - 1]) pairs[kept++] = pairs[i];
     return kept;
 }
@@ -121,13 +121,13 @@ static uint32_t fan_lead(const plan_groups *groups, uint32_t corner, uint32_t fi
 }
 
 static int one_fan(const plan_groups *groups, const uint32_t *corners, size_t count) {
-    for (size_t i = 1; i < count && groups->lead; i++)
+    for (size_t i = 1; i < count && groups->lead; ++i)
         if (groups->lead[corners[i]] != groups->lead[corners[0]]) return 0;
     return 1;
 }
 
 static void sort_by_fan(plan_groups *groups, const uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         groups->by_fan[i] = norma_core_pair(fan_lead(groups, corners[i], corners[0]), corners[i]);
     norma_core_sort_numbers(groups->by_fan, count);
 }
@@ -137,7 +137,7 @@ static void tell_fans(plan_groups *groups, const uint32_t *corners, size_t count
     sort_by_fan(groups, corners, count);
     for (size_t begin = 0, end; begin < count; begin = end) {
         for (end = begin;
-             end < count && high_of(groups->by_fan[end]) == high_of(groups->by_fan[begin]); end++)
+             end < count && high_of(groups->by_fan[end]) == high_of(groups->by_fan[begin]); ++end)
             groups->members[end - begin] = low_of(groups->by_fan[end]);
         receive(context, groups->members, end - begin, NULL, 0);
     }
@@ -158,7 +158,7 @@ static int set_less(const void *a, const void *b) {
 
 static int same_fans(const plan_groups *groups, const group_vertex *a, const group_vertex *b) {
     if (a->hash != b->hash || a->count != b->count) return 0;
-    for (uint32_t i = 0; i < a->count; i++)
+    for (uint32_t i = 0; i < a->count; ++i)
         if (low_of(groups->by_vertex[a->begin + i]) != low_of(groups->by_vertex[b->begin + i]))
             return 0;
     return 1;
@@ -168,7 +168,7 @@ static int same_fans(const plan_groups *groups, const group_vertex *a, const gro
  * are. */
 static size_t find_sets(plan_groups *groups, const uint32_t *corners, size_t count) {
     size_t sets = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         groups->by_vertex[i] =
             norma_core_pair(norma_core_corner(&groups->prepared->mesh, corners[i]),
                 fan_lead(groups, corners[i], corners[0]));
@@ -176,7 +176,7 @@ static size_t find_sets(plan_groups *groups, const uint32_t *corners, size_t cou
     const size_t pairs = drop_repeated_pairs(groups->by_vertex, count);
     for (size_t begin = 0, end; begin < pairs; begin = end) {
         group_vertex set = {.vertex = high_of(groups->by_vertex[begin]), .begin = (uint32_t)begin};
-        for (end = begin; end < pairs && high_of(groups->by_vertex[end]) == set.vertex; end++)
+        for (end = begin; end < pairs && high_of(groups->by_vertex[end]) == set.vertex; ++end)
             set.hash = hash_fan(set.hash, low_of(groups->by_vertex[end]));
         set.count = (uint32_t)(end - begin);
         groups->sets[sets++] = set;
@@ -200,14 +200,14 @@ static size_t first_of_fan(const plan_groups *groups, size_t count, uint32_t fan
 /* The corners of all fans of a set, ascending. */
 static size_t merge_fans(plan_groups *groups, const group_vertex *set, size_t count) {
     size_t found = 0;
-    for (uint32_t i = 0; i < set->count; i++) {
+    for (uint32_t i = 0; i < set->count; ++i) {
         const uint32_t fan = low_of(groups->by_vertex[set->begin + i]);
         for (size_t at = first_of_fan(groups, count, fan);
-             at < count && high_of(groups->by_fan[at]) == fan; at++)
+             at < count && high_of(groups->by_fan[at]) == fan; ++at)
             groups->merged[found++] = low_of(groups->by_fan[at]);
     }
     if (set->count > 1) norma_core_sort_numbers(groups->merged, found);
-    for (size_t i = 0; i < found; i++) groups->members[i] = (uint32_t)groups->merged[i];
+    for (size_t i = 0; i < found; ++i) groups->members[i] = (uint32_t)groups->merged[i];
     return found;
 }
 
@@ -217,7 +217,7 @@ static void tell_sets(plan_groups *groups, const uint32_t *corners, size_t count
     sort_by_fan(groups, corners, count);
     for (size_t begin = 0, end; begin < sets; begin = end) {
         for (end = begin; end < sets && same_fans(groups, &groups->sets[end], &groups->sets[begin]);
-             end++)
+             ++end)
             groups->vertices[end - begin] = groups->sets[end].vertex;
         receive(context, groups->members, merge_fans(groups, &groups->sets[begin], count),
             groups->vertices, end - begin);
@@ -225,11 +225,11 @@ static void tell_sets(plan_groups *groups, const uint32_t *corners, size_t count
 }
 
 static size_t distinct_vertices(plan_groups *groups, const uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         groups->by_vertex[i] = norma_core_corner(&groups->prepared->mesh, corners[i]);
     norma_core_sort_numbers(groups->by_vertex, count);
     const size_t distinct = drop_repeated_pairs(groups->by_vertex, count);
-    for (size_t i = 0; i < distinct; i++) groups->vertices[i] = (uint32_t)groups->by_vertex[i];
+    for (size_t i = 0; i < distinct; ++i) groups->vertices[i] = (uint32_t)groups->by_vertex[i];
     return distinct;
 }
 

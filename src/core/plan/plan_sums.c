@@ -49,7 +49,7 @@ static uint32_t place_of(const held_faces *held, uint32_t face) {
 
 static void hold_members(
     const norma_plan *plan, const uint32_t *members, uint32_t count, held_faces *held) {
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; ++i) {
         const uint32_t face = norma_core_plan_face(plan, members[i]), at = place_of(held, face);
         if (!held->places[at]) {
             held->numbers[held->count++] = face;
@@ -60,10 +60,10 @@ static void hold_members(
 }
 
 static void keep_batch(const core_batch *batch, unsigned sure, size_t count, held_face *out) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (!(sure >> i & 1U)) continue;
         out[i].face.flags = CORE_FACE_DIRECTED | CORE_FACE_FINITE | HELD_WEIGHED;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             out[i].face.normal[k] = batch->normal[k][i];
             out[i].weight[k] = batch->weight[k][i];
         }
@@ -77,12 +77,12 @@ static void measure_held(const plan_work *work, held_faces *held) {
         core_batch batch;
         unsigned sure = 0;
         end = held->count - begin < CORE_LANES ? held->count : begin + CORE_LANES;
-        for (uint32_t i = begin; i < end; i++) faces[i - begin] = held->numbers[i];
+        for (uint32_t i = begin; i < end; ++i) faces[i - begin] = held->numbers[i];
         if (!work->plan->corner_faces)
             sure = norma_core_measure_triangles(
                 work->call, &work->mesh, work->call->options.weight, faces, end - begin, &batch);
         keep_batch(&batch, sure, end - begin, &held->of[begin]);
-        for (uint32_t i = begin; i < end; i++)
+        for (uint32_t i = begin; i < end; ++i)
             if (!(sure >> (i - begin) & 1U))
                 norma_core_face_geometry(&work->mesh, held->numbers[i], &held->of[i].face);
     }
@@ -139,7 +139,7 @@ static member_list members_of(const norma_plan *plan, size_t group) {
 /* The votes of members that are held, from a slot on. Their degenerate faces are counted. */
 static void add_held(const plan_work *work, size_t group, member_list members,
     const held_faces *held, const uint16_t *slots, core_tally *tally, core_vertex_sum *sum) {
-    for (uint32_t i = 0; i < members.count; i++) {
+    for (uint32_t i = 0; i < members.count; ++i) {
         const held_face *face = &held->of[slots[i]];
         const uint32_t number = held->numbers[slots[i]];
         add_member_vote(work, face, number, members.corners[i], sum);
@@ -220,14 +220,14 @@ static int decide_own(const plan_work *work, size_t group, uint32_t vertex, floa
         held_face faces[CORE_LANES];
         size_t numbers[CORE_LANES], count = 0;
         core_batch batch;
-        for (; count < CORE_LANES && at + count < end; count++)
+        for (; count < CORE_LANES && at + count < end; ++count)
             numbers[count] = norma_core_plan_face(plan, at[count]);
         const unsigned sure = plan->corner_faces
                                   ? 0
                                   : norma_core_measure_triangles(work->call, &work->mesh,
                                         work->call->options.weight, numbers, count, &batch);
         keep_batch(&batch, sure, count, faces);
-        for (size_t i = 0; i < count; i++, at++) {
+        for (size_t i = 0; i < count; ++i, ++at) {
             if (!(sure >> i & 1U))
                 norma_core_face_geometry(&work->mesh, numbers[i], &faces[i].face);
             add_member_vote(work, &faces[i], (uint32_t)numbers[i], *at, &sum);
@@ -254,7 +254,7 @@ static void write_corners(
     const plan_work *work, size_t group, int reason, const float normal[3], core_tally *tally) {
     const member_list members = members_of(work->plan, group);
     const int sure = is_surely_finite(work, reason);
-    for (uint32_t i = 0; i < members.count; i++) {
+    for (uint32_t i = 0; i < members.count; ++i) {
         const uint32_t corner = members.corners[i];
         const int finite = sure || is_vertex_finite(work, norma_core_corner(&work->mesh, corner));
         norma_core_write_element(
@@ -285,7 +285,7 @@ static void write_group_normals(
         write_vertex_of_group(work, group, (uint32_t)group, reason, normal, tally);
         return;
     }
-    for (uint32_t i = plan->vertex_starts[group]; i < plan->vertex_starts[group + 1]; i++)
+    for (uint32_t i = plan->vertex_starts[group]; i < plan->vertex_starts[group + 1]; ++i)
         write_vertex_of_group(work, group, plan->vertices[i], reason, normal, tally);
 }
 
@@ -302,7 +302,7 @@ static void write_eight_sums(const sums_work *w, const uint32_t *groups,
     float normals[CORE_LANES][3];
     const int fine =
         count == CORE_LANES && !norma_core_sees(w->work->call) && w->kernels->finish(sums, normals);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (fine)
             write_group_normals(w->work, groups[i], NORMA_REASON_NONE, normals[i], tally);
         else
@@ -322,7 +322,7 @@ static void sum_batch(const sums_work *w, group_batch *b, held_faces *held, core
     const uint16_t *slots = held->slots;
     measure_held(w->work, held);
     norma_core_clear_sums(b->sums, b->count);
-    for (size_t i = 0; i < b->count; i++) {
+    for (size_t i = 0; i < b->count; ++i) {
         const member_list members = members_of(w->work->plan, b->groups[i]);
         add_held(w->work, b->groups[i], members, held, slots, tally, &b->sums[i]);
         slots += members.count;
@@ -357,7 +357,7 @@ static void sum_some(void *context, size_t task) {
     held_faces held;
     group_batch batch = {.count = 0};
     clear_held(&held);
-    for (size_t i = (size_t)(count * task / w->tasks); i < end; i++) {
+    for (size_t i = (size_t)(count * task / w->tasks); i < end; ++i) {
         if (w->some.bits && !(w->some.bits[i / 64] >> (i % 64))) {
             i |= 63; /* none in the rest of the word */
             continue;
@@ -383,7 +383,7 @@ static sums_work work_on(const plan_work *work, plan_some some, int apart_alone)
 
 static norma_result run_tasks(sums_work *w, norma_task *task) {
     const norma_result result = norma_core_parallel(w->work->call, w->tasks, task, w);
-    for (size_t i = 0; i < w->tasks; i++) norma_core_tally_add(w->work->tally, &w->tallies[i]);
+    for (size_t i = 0; i < w->tasks; ++i) norma_core_tally_add(w->work->tally, &w->tallies[i]);
     return result;
 }
 
@@ -406,7 +406,7 @@ static void write_sums(
     uint32_t groups[CORE_LANES];
     core_vertex_sum chosen[CORE_LANES];
     size_t held = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (!is_group_chosen(w, (uint32_t)(first + i))) continue;
         groups[held] = (uint32_t)(first + i);
         chosen[held++] = sums[i];

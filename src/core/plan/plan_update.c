@@ -63,7 +63,7 @@ static void ask_for_vertex(const plan_work *work, size_t i) {
         __builtin_prefetch(&plan->at[plan->at_starts[work->moved[i + AHEAD]]]);
     if (i + AHEAD / 2 >= work->moved_count) return;
     const uint32_t vertex = work->moved[i + AHEAD / 2];
-    for (uint32_t at = plan->at_starts[vertex]; at < plan->at_starts[vertex + 1]; at++)
+    for (uint32_t at = plan->at_starts[vertex]; at < plan->at_starts[vertex + 1]; ++at)
         __builtin_prefetch(&plan->targets[plan->at[at]]);
 }
 
@@ -78,7 +78,7 @@ static void mark_others(plan_marks *m, uint32_t corner) {
         else
             high = middle;
     }
-    for (; low < plan->other_count && plan->others[low] >> 32 == corner; low++)
+    for (; low < plan->other_count && plan->others[low] >> 32 == corner; ++low)
         mark_group(m, (uint32_t)plan->others[low]);
 }
 
@@ -87,7 +87,7 @@ static void mark_face(plan_marks *m, uint32_t face) {
     const core_mesh *mesh = &plan->mesh;
     const size_t at = face - m->first_face;
     if (m->faces && (at >= m->face_count || !mark_once(m->faces, at, &m->face_span))) return;
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         const uint32_t target = plan->targets[c];
         mark_group(m, target);
         if (norma_core_has_bit(plan->apart, target)) mark_others(m, (uint32_t)c);
@@ -108,11 +108,11 @@ static size_t unreferenced_number(const norma_plan *plan, uint32_t vertex) {
 
 static void mark_moved(plan_marks *m) {
     const norma_plan *plan = m->work->plan;
-    for (size_t i = 0; i < m->work->moved_count; i++) {
+    for (size_t i = 0; i < m->work->moved_count; ++i) {
         const uint32_t vertex = m->work->moved[i], begin = plan->at_starts[vertex],
                        end = plan->at_starts[vertex + 1];
         ask_for_vertex(m->work, i);
-        for (uint32_t at = begin; at < end; at++)
+        for (uint32_t at = begin; at < end; ++at)
             mark_face(m, norma_core_plan_face(plan, plan->at[at]));
         if (begin == end && plan->unreferenced)
             mark_group(m, plan->first_unreferenced + unreferenced_number(plan, vertex));
@@ -130,7 +130,7 @@ static int is_faster_in_a_row(const norma_plan *plan, plan_some some, size_t mar
         CORE_FACES_IN_CHUNK * (double)plan->group_count / (double)plan->mesh.face_count;
     size_t chunks = 0;
     if (marked <= (some.count + CORE_FACES_IN_CHUNK) / IN_A_ROW) return 0;
-    for (size_t i = 0; i < norma_core_count_chunks(&plan->mesh); i++)
+    for (size_t i = 0; i < norma_core_count_chunks(&plan->mesh); ++i)
         chunks +=
             plan->ranges[i].least < some.first + some.count && plan->ranges[i].most >= some.first;
     return (double)marked * IN_A_ROW > (double)chunks * groups_of_chunk;
@@ -227,7 +227,7 @@ static uint32_t vertex_of_element(const norma_plan *plan, size_t element) {
 static void write_nearest_normal(
     const plan_work *work, const plan_scratch *scratch, core_nearest *nearest) {
     const float zero[3] = {0, 0, 0};
-    for (size_t e = 0; e < scratch->count; e++) {
+    for (size_t e = 0; e < scratch->count; ++e) {
         if (scratch->reasons[e] == NORMA_REASON_NONE) continue;
         const uint32_t source = norma_core_nearest_find(nearest, vertex_of_element(work->plan, e));
         norma_core_write_normal(
@@ -242,11 +242,11 @@ static norma_result look_up_nearest(const plan_work *work, const plan_scratch *s
     mesh.weld = NULL; /* what was one position may have parted */
     norma_result result = norma_core_nearest_begin(work->call, &mesh, &nearest);
     if (result != NORMA_OK) return result;
-    for (size_t e = 0; e < scratch->count; e++) {
+    for (size_t e = 0; e < scratch->count; ++e) {
         if (scratch->reasons[e] == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, vertex_of_element(work->plan, e), (uint32_t)e);
         else
-            wanting++;
+            ++wanting;
     }
     result = norma_core_nearest_plant(&nearest, wanting);
     if (result == NORMA_OK) write_nearest_normal(work, scratch, &nearest);
@@ -272,7 +272,7 @@ static norma_result fill_plan_from_nearest(const plan_work *work) {
 /* All of them in order is all. */
 static norma_result check_moved(const norma_plan *plan, const uint32_t **moved, size_t count) {
     uint32_t largest = 0, out_of_order = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         largest = (*moved)[i] > largest ? (*moved)[i] : largest;
         out_of_order |= (*moved)[i] ^ (uint32_t)i;
     }

@@ -37,7 +37,7 @@ static int find_wide_corners(mesh_build *b) {
         return 1;
     b->corners = b->made_corners =
         norma_core_allocate(&b->call, b->corner_count, sizeof *b->made_corners);
-    for (size_t c = 0; b->corners && c < b->corner_count; c++)
+    for (size_t c = 0; b->corners && c < b->corner_count; ++c)
         b->made_corners[c] = norma_mesh_corner(mesh, c);
     return b->corners != NULL;
 }
@@ -180,7 +180,7 @@ static norma_result compute_values(mesh_build *b, float crease_angle_rad, norma_
 
 static norma_result write_built(
     const mesh_build *b, const float *normals, const norma_built *built) {
-    for (size_t v = 0; built->source_vertices && v < b->indexed->vertex_count; v++)
+    for (size_t v = 0; built->source_vertices && v < b->indexed->vertex_count; ++v)
         built->source_vertices[v] = b->corners ? b->corners[b->firsts[v]] : b->firsts[v];
     const norma_result result =
         write_firsts(b, normals, NORMAL_BYTES, built->normals, built->normal_stride);

@@ -61,7 +61,7 @@ static meshopt_face face_of(
         !norma_core_tangent_is_finite(a) || !norma_core_tangent_is_finite(b) ||
         !norma_core_tangent_is_finite(c))
         face.own = 0;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         face.tangent[k] =
             v2 * (b->position[k] - a->position[k]) - v1 * (c->position[k] - a->position[k]);
     const float length = sqrtf(dot_floats(face.tangent, face.tangent)),
@@ -69,7 +69,7 @@ static meshopt_face face_of(
                        : face.own == NEGATIVE_TEXTURE ? -1.0F
                                                       : 0.0F,
                 scale = length != 0 ? sign / length : 0;
-    for (int k = 0; k < 3; k++) face.tangent[k] *= scale;
+    for (int k = 0; k < 3; ++k) face.tangent[k] *= scale;
     face.joined = face.own;
     return face;
 }
@@ -110,9 +110,9 @@ static uint32_t vertex_before(const meshopt_mesh *m, uint32_t corner) {
 }
 
 static void join_few(meshopt_mesh *m, const uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t after = vertex_after(m, corners[i]), before = vertex_before(m, corners[i]);
-        for (size_t j = i + 1; j < count; j++)
+        for (size_t j = i + 1; j < count; ++j)
             if (vertex_after(m, corners[j]) == before || vertex_before(m, corners[j]) == after)
                 join_texture_fans(m, corners[i], corners[j]);
     }
@@ -139,17 +139,17 @@ static size_t corner_at(const uint64_t *edges, size_t count, size_t place, uint3
 
 /* The same pairs as join_few, found among sorted edges. */
 static void join_many(meshopt_mesh *m, const uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         m->after[i] = (uint64_t)vertex_after(m, corners[i]) << 32 | i;
         m->before[i] = (uint64_t)vertex_before(m, corners[i]) << 32 | i;
     }
     norma_core_sort_numbers(m->after, count);
     norma_core_sort_numbers(m->before, count);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t after = vertex_after(m, corners[i]), before = vertex_before(m, corners[i]);
         size_t out = first_edge(m->after, count, (uint64_t)before << 32 | (i + 1)),
                in = first_edge(m->before, count, (uint64_t)after << 32 | (i + 1));
-        for (int left = EDGE_MOST; left > 0; left--) {
+        for (int left = EDGE_MOST; left > 0; --left) {
             const size_t next_out = corner_at(m->after, count, out, before),
                          next_in = corner_at(m->before, count, in, after),
                          j = next_out < next_in ? next_out : next_in;
@@ -173,7 +173,7 @@ static float hastings_acos(float x) {
 
 static void put_into_plane(const float v[3], const float normal[3], float out[3]) {
     const float along = dot_floats(v, normal);
-    for (int k = 0; k < 3; k++) out[k] = v[k] - normal[k] * along;
+    for (int k = 0; k < 3; ++k) out[k] = v[k] - normal[k] * along;
 }
 
 static void add_at_corner(const meshopt_mesh *m, uint32_t corner, const float tangent[3],
@@ -181,23 +181,23 @@ static void add_at_corner(const meshopt_mesh *m, uint32_t corner, const float ta
     const tangent_vertex *at = meshopt_vertex(m, corner);
     float part[3], edges[2][3], *sum = m->sums[group_of(m->group, corner)];
     put_into_plane(tangent, at->normal, part);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         edges[0][k] = next->position[k] - at->position[k];
         edges[1][k] = previous->position[k] - at->position[k];
     }
-    for (int e = 0; e < 2; e++) put_into_plane(edges[e], at->normal, edges[e]);
+    for (int e = 0; e < 2; ++e) put_into_plane(edges[e], at->normal, edges[e]);
     const float length = sqrtf(dot_floats(part, part)),
                 lengths = sqrtf(dot_floats(edges[0], edges[0]) * dot_floats(edges[1], edges[1])),
                 cosine = dot_floats(edges[0], edges[1]) * (lengths == 0 ? 0 : 1 / lengths);
     float weight = hastings_acos(cosine) * (length == 0 ? 0 : 1 / length);
     weight *= lengths;
-    for (int k = 0; k < 3; k++) sum[k] += part[k] * weight;
+    for (int k = 0; k < 3; ++k) sum[k] += part[k] * weight;
 }
 
 static void sum_up_faces(const meshopt_mesh *m) {
-    for (size_t f = 0; f < m->face_count; f++) {
+    for (size_t f = 0; f < m->face_count; ++f) {
         const uint32_t first = (uint32_t)(3 * f);
-        for (uint32_t i = 0; m->faces[f].own && i < 3; i++)
+        for (uint32_t i = 0; m->faces[f].own && i < 3; ++i)
             add_at_corner(m, first + i, m->faces[f].tangent, meshopt_vertex(m, first + (i + 1) % 3),
                 meshopt_vertex(m, first + (i + 2) % 3));
     }
@@ -211,7 +211,7 @@ static corner_tangent tangent_at(const meshopt_mesh *m, uint32_t corner) {
     const float length = sqrtf(dot_floats(sum, sum)), scale = length == 0 ? 0 : 1 / length;
     corner_tangent out = {
         .sign = m->faces[stand_in_of(m->faces, corner / 3)].joined & POSITIVE_TEXTURE ? 1 : -1};
-    for (int k = 0; k < 3; k++) out.direction[k] = sum[k] * scale;
+    for (int k = 0; k < 3; ++k) out.direction[k] = sum[k] * scale;
     if (!(fabsf(dot_floats(out.direction, out.direction) - 1) < 1e-3F))
         out.reason = face->own ? NORMA_REASON_CANCELLED : NORMA_REASON_DEGENERATE;
     return out;
@@ -220,13 +220,13 @@ static corner_tangent tangent_at(const meshopt_mesh *m, uint32_t corner) {
 /* ---- the whole */
 
 static void run_meshopt(meshopt_mesh *m, const tangent_output *output, core_tally *tally) {
-    for (size_t f = 0; f < m->face_count; f++) {
+    for (size_t f = 0; f < m->face_count; ++f) {
         m->faces[f] = face_of(
             meshopt_vertex(m, 3 * f), meshopt_vertex(m, 3 * f + 1), meshopt_vertex(m, 3 * f + 2));
         m->faces[f].stands = (uint32_t)f;
     }
-    for (size_t c = 0; c < m->corner_count; c++) m->group[c] = (uint32_t)c;
-    for (size_t v = 0; v < m->around.position_count; v++) {
+    for (size_t c = 0; c < m->corner_count; ++c) m->group[c] = (uint32_t)c;
+    for (size_t v = 0; v < m->around.position_count; ++v) {
         const uint32_t *corners = m->around.corners + m->around.starts[v];
         const size_t count = m->around.starts[v + 1] - m->around.starts[v];
         if (count <= FEW_CORNERS)
@@ -236,7 +236,7 @@ static void run_meshopt(meshopt_mesh *m, const tangent_output *output, core_tall
     }
     memset(m->sums, 0, m->corner_count * sizeof *m->sums);
     sum_up_faces(m);
-    for (size_t c = 0; c < m->corner_count; c++) {
+    for (size_t c = 0; c < m->corner_count; ++c) {
         const corner_tangent tangent = tangent_at(m, (uint32_t)c);
         norma_core_write_tangent(output, c, meshopt_vertex(m, c), &tangent, tally);
     }

@@ -16,11 +16,11 @@ typedef struct flagging {
 
 static void load_triangle_lane(
     const mikk_mesh *m, size_t triangle, size_t lane, mikk_batch *batch) {
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         const tangent_vertex *v = &m->vertices[m->triangles[3 * triangle + i]];
-        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
-        for (int k = 0; k < 3; k++) batch->normal[i][k][lane] = v->normal[k];
-        for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
+        for (int k = 0; k < 3; ++k) batch->position[i][k][lane] = v->position[k];
+        for (int k = 0; k < 3; ++k) batch->normal[i][k][lane] = v->normal[k];
+        for (int k = 0; k < 2; ++k) batch->texcoord[i][k][lane] = v->texcoord[k];
     }
 }
 
@@ -34,7 +34,7 @@ static void record_triangle(
     const mikk_mesh *m, size_t triangle, size_t lane, const mikk_addends *addends) {
     const uint32_t *v = m->triangles + 3 * triangle;
     mikk_record *records = m->records + 3 * triangle;
-    for (size_t i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; ++i)
         records[i] = (mikk_record){
             {addends->sum[i][0][lane], addends->sum[i][1][lane], addends->sum[i][2][lane]},
             (uint16_t)addends->ends[i][lane], m->flags[triangle], v[i == 2 ? 0 : i + 1],
@@ -44,20 +44,20 @@ static void record_triangle(
 /* Asks for the vertices of the triangles from this one on. */
 static void await_vertices(const mikk_mesh *m, size_t triangle) {
     const size_t rest = m->count - triangle, count = rest < MIKK_LANES ? rest : MIKK_LANES;
-    for (size_t c = 3 * triangle; c < 3 * (triangle + count); c++)
+    for (size_t c = 3 * triangle; c < 3 * (triangle + count); ++c)
         TANGENT_PREFETCH(&m->vertices[m->triangles[c]]);
 }
 
 static void core_mikk_flag_lanes(const mikk_mesh *m, const mikk_kernels *kernels, size_t triangle,
     size_t count, mikk_batch *batch) {
     mikk_addends out;
-    for (size_t l = 0; l < count; l++) load_triangle_lane(m, triangle + l, l, batch);
+    for (size_t l = 0; l < count; ++l) load_triangle_lane(m, triangle + l, l, batch);
     if (mikk_has_records(m))
         kernels->add_up(batch, &out);
     else
         kernels->derive(batch, &out.derivative);
-    for (size_t l = 0; l < count; l++) m->flags[triangle + l] |= flags_of(&out.derivative, l);
-    for (size_t l = 0; l < count && mikk_has_records(m); l++)
+    for (size_t l = 0; l < count; ++l) m->flags[triangle + l] |= flags_of(&out.derivative, l);
+    for (size_t l = 0; l < count && mikk_has_records(m); ++l)
         record_triangle(m, triangle + l, l, &out);
 }
 
@@ -76,7 +76,7 @@ static void flag_task(void *context, size_t task) {
 
 static float texture_area(const mikk_mesh *m, size_t triangle) {
     const float *t[3];
-    for (size_t i = 0; i < 3; i++) t[i] = m->vertices[m->triangles[3 * triangle + i]].texcoord;
+    for (size_t i = 0; i < 3; ++i) t[i] = m->vertices[m->triangles[3 * triangle + i]].texcoord;
     const float x21 = t[1][0] - t[0][0], y21 = t[1][1] - t[0][1], x31 = t[2][0] - t[0][0],
                 y31 = t[2][1] - t[0][1], area = x21 * y31 - y21 * x31;
     return area < 0 ? -area : area;
@@ -99,7 +99,7 @@ static norma_result core_mikk_flags(mikk_mesh *m) {
     const norma_result result = norma_core_parallel(
         m->call, m->count / TRIANGLES_IN_TASK + (m->count % TRIANGLES_IN_TASK != 0), flag_task, &f);
     if (result != NORMA_OK || !m->has_quads) return result;
-    for (size_t t = 1; t < m->count; t++)
+    for (size_t t = 1; t < m->count; ++t)
         if (m->flags[t] & MIKK_SECOND) agree_on_sign(m, t);
     return NORMA_OK;
 }
@@ -111,10 +111,10 @@ static norma_result core_mikk_flags(mikk_mesh *m) {
 /* Of a face, the corner that no triangle holds, if there is just one; else SIZE_MAX. */
 static size_t only_missing(const uint32_t *holders, size_t begin, size_t end) {
     size_t missing = SIZE_MAX, count = 0;
-    for (size_t c = begin; c < end; c++)
+    for (size_t c = begin; c < end; ++c)
         if (holders[c] == MIKK_NONE) {
             missing = c;
-            count++;
+            ++count;
         }
     return count == 1 ? missing : SIZE_MAX;
 }
@@ -123,7 +123,7 @@ static uint32_t source_in_quad(
     const mikk_mesh *m, const uint32_t *holders, size_t begin, size_t missing) {
     const tangent_mesh *in = m->input;
     const float *at = in->vertices[norma_core_tangent_key(in, missing)].position;
-    for (size_t c = begin; c < begin + 4; c++) {
+    for (size_t c = begin; c < begin + 4; ++c) {
         const float *p = in->vertices[norma_core_tangent_key(in, c)].position;
         if (c != missing && p[0] == at[0] && p[1] == at[1] && p[2] == at[2]) return holders[c];
     }
@@ -134,11 +134,11 @@ typedef void see_copy(mikk_mesh *m, uint32_t vertex, mikk_copy copy);
 
 static void for_copies(mikk_mesh *m, const uint32_t *holders, see_copy *see) {
     const core_mesh *mesh = &m->input->mesh;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         const size_t begin = norma_core_face_begin(mesh, face),
                      end = norma_core_face_end(mesh, face),
                      missing = end - begin == 4 ? only_missing(holders, begin, end) : SIZE_MAX;
-        for (size_t c = begin; c < end; c++) {
+        for (size_t c = begin; c < end; ++c) {
             if (holders[c] != MIKK_NONE) continue;
             const uint32_t source = c == missing ? source_in_quad(m, holders, begin, c) : MIKK_NONE;
             const uint32_t vertex =
@@ -150,7 +150,7 @@ static void for_copies(mikk_mesh *m, const uint32_t *holders, see_copy *see) {
 
 static void count_copy(mikk_mesh *m, uint32_t vertex, mikk_copy copy) {
     (void)copy;
-    m->copy_starts[vertex]++;
+    ++m->copy_starts[vertex];
 }
 
 static void place_copy(mikk_mesh *m, uint32_t vertex, mikk_copy copy) {
@@ -159,7 +159,7 @@ static void place_copy(mikk_mesh *m, uint32_t vertex, mikk_copy copy) {
 
 static norma_result core_mikk_copies(mikk_mesh *m, const uint32_t *holders) {
     const size_t corners = m->input->mesh.corner_count;
-    for (size_t c = 0; c < corners; c++) m->copy_count += holders[c] == MIKK_NONE;
+    for (size_t c = 0; c < corners; ++c) m->copy_count += holders[c] == MIKK_NONE;
     if (!m->copy_count) return NORMA_OK;
     m->copy_starts = norma_core_allocate(m->call, m->vertex_count + 1, sizeof *m->copy_starts);
     m->copies = norma_core_allocate(m->call, m->copy_count, sizeof *m->copies);
@@ -167,7 +167,7 @@ static norma_result core_mikk_copies(mikk_mesh *m, const uint32_t *holders) {
     memset(m->copy_starts, 0, (m->vertex_count + 1) * sizeof *m->copy_starts);
     for_copies(m, holders, count_copy);
     uint32_t sum = 0;
-    for (size_t v = 0; v <= m->vertex_count; v++) m->copy_starts[v] = sum += m->copy_starts[v];
+    for (size_t v = 0; v <= m->vertex_count; ++v) m->copy_starts[v] = sum += m->copy_starts[v];
     for_copies(m, holders, place_copy);
     return NORMA_OK;
 }
@@ -200,7 +200,7 @@ static float square_3(const float a[3], const float b[3]) {
 /* Whether a quad is cut between its first and its third corner. */
 static int is_cut_at_first(const tangent_mesh *m, size_t first) {
     const tangent_vertex *v[4];
-    for (size_t i = 0; i < 4; i++) v[i] = vertex_at_corner(m, first + i);
+    for (size_t i = 0; i < 4; ++i) v[i] = vertex_at_corner(m, first + i);
     const float t02 = square_2(v[2]->texcoord, v[0]->texcoord),
                 t13 = square_2(v[3]->texcoord, v[1]->texcoord);
     if (t02 < t13) return 1;
@@ -217,7 +217,7 @@ static void add_cut_triangle(
     const mikk_mesh *m = c->mesh;
     const size_t corners[3] = {first + i, first + j, first + k};
     const float *at[3];
-    for (size_t n = 0; n < 3; n++) {
+    for (size_t n = 0; n < 3; ++n) {
         const uint32_t vertex = norma_core_tangent_vertex(m->input, corners[n]);
         m->triangles[3 * triangle + n] = vertex;
         if (m->corners) m->corners[3 * triangle + n] = (uint32_t)corners[n];
@@ -252,7 +252,7 @@ static void cut_task(void *context, size_t task) {
     const size_t faces = c->mesh->input->mesh.face_count, begin = task * FACES_IN_TASK,
                  end = faces - begin < FACES_IN_TASK ? faces : begin + FACES_IN_TASK;
     size_t triangle = c->starts ? c->starts[task] : begin;
-    for (size_t face = begin; face < end; face++) {
+    for (size_t face = begin; face < end; ++face) {
         norma_core_tangent_await(c->mesh->input, face + TANGENT_FACES_AHEAD);
         triangle += cut_mikk_face(c, face, triangle);
     }
@@ -262,10 +262,10 @@ static void cut_task(void *context, size_t task) {
 
 /* Of each lane, whether two of the three positions are equal. */
 static void find_equal_corners(const mikk_batch *b, uint32_t equal[MIKK_LANES]) {
-    for (int l = 0; l < MIKK_LANES; l++) equal[l] = 0;
-    for (int one = 0; one < 3; one++) {
+    for (int l = 0; l < MIKK_LANES; ++l) equal[l] = 0;
+    for (int one = 0; one < 3; ++one) {
         const mikk_lane *p = b->position[one], *q = b->position[(one + 1) % 3];
-        for (int l = 0; l < MIKK_LANES; l++)
+        for (int l = 0; l < MIKK_LANES; ++l)
             equal[l] |= (uint32_t)(p[0][l] == q[0][l]) & (uint32_t)(p[1][l] == q[1][l]) &
                         (uint32_t)(p[2][l] == q[2][l]);
     }
@@ -274,7 +274,7 @@ static void find_equal_corners(const mikk_batch *b, uint32_t equal[MIKK_LANES]) 
 static void flag_degenerate(cutting *c, size_t triangle, size_t count, const mikk_batch *batch) {
     uint32_t equal[MIKK_LANES];
     find_equal_corners(batch, equal);
-    for (size_t l = 0; l < count; l++) {
+    for (size_t l = 0; l < count; ++l) {
         const uint32_t *v = c->mesh->triangles + 3 * (triangle + l);
         if (!(equal[l] | (v[0] == v[1]) | (v[0] == v[2]) | (v[1] == v[2]))) continue;
         c->mesh->flags[triangle + l] |= MIKK_DEGENERATE;
@@ -291,8 +291,8 @@ static void record_task(void *context, size_t task) {
     mikk_batch batch = {0};
     for (size_t t = begin; t < end; t += MIKK_LANES) {
         const size_t count = end - t < MIKK_LANES ? end - t : MIKK_LANES;
-        for (size_t l = 0; l < count; l++) norma_core_tangent_await(m->input, t + l + MIKK_LANES);
-        for (size_t i = 3 * t; i < 3 * (t + count); i++)
+        for (size_t l = 0; l < count; ++l) norma_core_tangent_await(m->input, t + l + MIKK_LANES);
+        for (size_t i = 3 * t; i < 3 * (t + count); ++i)
             m->triangles[i] = norma_core_tangent_vertex(m->input, i);
         memset(m->flags + t, 0, count);
         core_mikk_flag_lanes(m, kernels, t, count, &batch);
@@ -309,7 +309,7 @@ static size_t task_count(const core_mesh *mesh) {
 static size_t count_mikk_triangles(const core_mesh *mesh, uint32_t *starts, size_t *most) {
     size_t count = 0;
     *most = 3;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         const size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
         if (face % FACES_IN_TASK == 0) starts[face / FACES_IN_TASK] = (uint32_t)count;
         if (corners > 2) count += corners - 2;
@@ -321,26 +321,26 @@ static size_t count_mikk_triangles(const core_mesh *mesh, uint32_t *starts, size
 /* Numbers of its corners, three for each of count - 2 triangles. */
 static void cut_polygon(
     const tangent_mesh *m, size_t first, size_t count, core_cutter *cutter, uint32_t *numbers) {
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k)
             cutter->points[i][k] = (double)vertex_at_corner(m, first + i)->position[k];
     if (!norma_core_polygon_fans(cutter, count)) {
         (void)norma_core_cut_polygon(cutter, count, numbers);
         return;
     }
-    for (uint32_t t = 0; t + 2 < count; t++)
+    for (uint32_t t = 0; t + 2 < count; ++t)
         memcpy(numbers + 3 * t, (uint32_t[]){0, t + 1, t + 2}, 3 * sizeof *numbers);
 }
 
 static void cut_polygons(cutting *c, core_cutter *cutter, uint32_t *numbers) {
     const core_mesh *mesh = &c->mesh->input->mesh;
     size_t triangle = 0;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         const size_t first = norma_core_face_begin(mesh, face),
                      count = norma_core_face_end(mesh, face) - first,
                      made = count < 3 ? 0 : count - 2;
         if (count > 4) cut_polygon(c->mesh->input, first, count, cutter, numbers);
-        for (size_t t = 0; t < made && count > 4; t++)
+        for (size_t t = 0; t < made && count > 4; ++t)
             add_cut_triangle(
                 c, triangle + t, first, numbers[3 * t], numbers[3 * t + 1], numbers[3 * t + 2]);
         triangle += made;
@@ -380,9 +380,9 @@ static norma_result leave_out_degenerate(mikk_mesh *m) {
     if (!m->corners) {
         m->corners = norma_core_allocate(m->call, 3 * m->room, sizeof *m->corners);
         if (!m->corners) return NORMA_ERROR_MEMORY;
-        for (size_t c = 0; c < 3 * m->count; c++) m->corners[c] = (uint32_t)c;
+        for (size_t c = 0; c < 3 * m->count; ++c) m->corners[c] = (uint32_t)c;
     }
-    for (size_t t = 0; t < m->count; t++) {
+    for (size_t t = 0; t < m->count; ++t) {
         if (m->flags[t] & MIKK_DEGENERATE) continue;
         memmove(m->triangles + 3 * kept, m->triangles + 3 * t, 3 * sizeof *m->triangles);
         memmove(m->corners + 3 * kept, m->corners + 3 * t, 3 * sizeof *m->corners);
@@ -401,11 +401,11 @@ static norma_result hold_corners(mikk_mesh *m) {
     if (!holders) return NORMA_ERROR_MEMORY;
     memset(holders, 0xff, mesh->corner_count * sizeof *holders);
     size_t t = 0;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         const size_t begin = norma_core_face_begin(mesh, face),
                      end = norma_core_face_end(mesh, face), first = t;
-        for (; t < m->count && m->corners[3 * t] < end; t++) {
-            for (size_t i = 0; i < 3; i++) {
+        for (; t < m->count && m->corners[3 * t] < end; ++t) {
+            for (size_t i = 0; i < 3; ++i) {
                 uint32_t *holder = &holders[m->corners[3 * t + i]];
                 if (*holder != MIKK_NONE) m->flags[t] |= (uint8_t)(MIKK_HELD << i);
                 if (*holder == MIKK_NONE) *holder = (uint32_t)(3 * t + i);
@@ -468,8 +468,8 @@ static size_t touch(following *f) {
     const mikk_mesh *m = f->mesh;
     size_t most = 0;
     memset(f->touched, 0, m->vertex_count);
-    for (size_t t = 0; t < m->count; t++)
-        for (size_t i = 0; (m->flags[t] & MIKK_FOLLOWS) && i < 3; i++) {
+    for (size_t t = 0; t < m->count; ++t)
+        for (size_t i = 0; (m->flags[t] & MIKK_FOLLOWS) && i < 3; ++i) {
             const uint32_t v = m->triangles[3 * t + i];
             const size_t count = m->around.starts[v + 1] - m->around.starts[v];
             f->touched[v] = 1;
@@ -487,12 +487,12 @@ static void link_star(following *f, uint32_t vertex) {
     const mikk_mesh *m = f->mesh;
     const uint32_t *corners = m->around.corners + m->around.starts[vertex];
     const size_t count = m->around.starts[vertex + 1] - m->around.starts[vertex];
-    for (size_t j = 0; j < count; j++) {
+    for (size_t j = 0; j < count; ++j) {
         f->next[j] = neighbour(m->triangles, corners[j], 1);
         f->previous[j] = neighbour(m->triangles, corners[j], 2);
     }
     norma_core_mikk_link(f->next, f->previous, count, &f->table, &f->links);
-    for (size_t j = 0; j < count; j++) {
+    for (size_t j = 0; j < count; ++j) {
         const uint32_t left = f->links.left[j], right = f->links.right[j];
         f->left[corners[j]] = left == MIKK_NONE ? MIKK_NONE : corners[left];
         f->right[corners[j]] = right == MIKK_NONE ? MIKK_NONE : corners[right];
@@ -515,7 +515,7 @@ static void spread_sign(following *f, const uint32_t *links, uint32_t seed) {
 static void spread_all(following *f) {
     const mikk_mesh *m = f->mesh;
     memset(f->grouped, 0, 3 * m->count);
-    for (uint32_t c = 0; c < 3 * m->count; c++) {
+    for (uint32_t c = 0; c < 3 * m->count; ++c) {
         if (!f->touched[m->triangles[c]] || f->grouped[c] || (m->flags[c / 3] & MIKK_FOLLOWS))
             continue;
         f->grouped[c] = 1;
@@ -526,8 +526,8 @@ static void spread_all(following *f) {
 
 /* Records have the signs that were found, too. */
 static void mark_records(const mikk_mesh *m) {
-    for (size_t t = 0; m->records && t < m->count; t++)
-        for (size_t i = 0; (m->flags[t] & MIKK_FOLLOWS) && i < 3; i++)
+    for (size_t t = 0; m->records && t < m->count; ++t)
+        for (size_t i = 0; (m->flags[t] & MIKK_FOLLOWS) && i < 3; ++i)
             m->records[3 * t + i].flags = m->flags[t];
 }
 
@@ -545,7 +545,7 @@ static norma_result follow_signs(following *f) {
         f->links = (mikk_links){star, star + most};
         f->next = star + 2 * most;
         f->previous = star + 3 * most;
-        for (size_t v = 0; v < m->vertex_count; v++)
+        for (size_t v = 0; v < m->vertex_count; ++v)
             if (f->touched[v]) link_star(f, (uint32_t)v);
         spread_all(f);
         mark_records(m);
@@ -560,7 +560,7 @@ static norma_result follow_signs(following *f) {
 
 static norma_result core_mikk_follow(mikk_mesh *m) {
     int any = 0;
-    for (size_t t = 0; t < m->count; t++) any |= m->flags[t] & MIKK_FOLLOWS;
+    for (size_t t = 0; t < m->count; ++t) any |= m->flags[t] & MIKK_FOLLOWS;
     if (!any) return NORMA_OK;
     following f = {.mesh = m, .touched = norma_core_allocate(m->call, m->vertex_count, 1)};
     const norma_result result = f.touched ? follow_signs(&f) : NORMA_ERROR_MEMORY;
@@ -585,8 +585,8 @@ static norma_result sort_mikk_corners(mikk_mesh *mesh) {
  * coordinates. */
 static int mikk_hangs_on_others(const mikk_mesh *mesh) {
     int hangs = 0;
-    for (size_t t = 0; t < mesh->count; t++) hangs |= mesh->flags[t] & MIKK_FOLLOWS;
-    for (size_t i = 0; i < mesh->copy_count; i++) hangs |= mesh->copies[i].source != MIKK_NONE;
+    for (size_t t = 0; t < mesh->count; ++t) hangs |= mesh->flags[t] & MIKK_FOLLOWS;
+    for (size_t i = 0; i < mesh->copy_count; ++i) hangs |= mesh->copies[i].source != MIKK_NONE;
     return hangs != 0;
 }
 

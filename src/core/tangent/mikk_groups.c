@@ -41,9 +41,9 @@ static inline size_t mikk_lane_of(const mikk_star *star, size_t j) {
 /* Adds what a corner contributes. */
 static inline void mikk_add(const mikk_corners *c, size_t lane, int has_quads, mikk_space *space) {
     const float angle = c->angle[lane];
-    for (int k = 0; k < 3; k++) space->s[k] += angle * c->s[k][lane];
+    for (int k = 0; k < 3; ++k) space->s[k] += angle * c->s[k][lane];
     if (!has_quads) return;
-    for (int k = 0; k < 3; k++) space->t[k] += angle * c->t[k][lane];
+    for (int k = 0; k < 3; ++k) space->t[k] += angle * c->t[k][lane];
     space->length_s += angle * c->length_s[lane];
     space->length_t += angle * c->length_t[lane];
     space->angle += angle;
@@ -69,7 +69,7 @@ static inline uint32_t mikk_target(const mikk_mesh *mesh, uint32_t corner) {
 static void core_mikk_normalise(float v[3]) {
     if (mikk_is_zero(v[0]) && mikk_is_zero(v[1]) && mikk_is_zero(v[2])) return;
     const float by = 1 / sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3; k++) v[k] = by * v[k];
+    for (int k = 0; k < 3; ++k) v[k] = by * v[k];
 }
 
 /* Makes the sum a space. */
@@ -90,9 +90,9 @@ static void core_mikk_finish(const mikk_star *star, mikk_space *space) {
 
 static void link_small(
     const uint32_t *next, const uint32_t *previous, size_t count, const mikk_links *links) {
-    for (uint32_t j = 0; j < count; j++) {
+    for (uint32_t j = 0; j < count; ++j) {
         links->left[j] = links->right[j] = MIKK_NONE;
-        for (uint32_t i = 0; i < j; i++) {
+        for (uint32_t i = 0; i < j; ++i) {
             if (previous[i] == next[j] && links->right[i] == MIKK_NONE &&
                 links->left[j] == MIKK_NONE) {
                 links->left[j] = i;
@@ -156,7 +156,7 @@ void norma_core_mikk_link(const uint32_t *next, const uint32_t *previous, size_t
     memset(table->edges, 0xff, room * sizeof *table->edges);
     memset(links->left, 0xff, count * sizeof *links->left);
     memset(links->right, 0xff, count * sizeof *links->right);
-    for (uint32_t j = 0; j < count; j++) {
+    for (uint32_t j = 0; j < count; ++j) {
         meet_edge(table, room, next[j], 2 * j, links);
         meet_edge(table, room, previous[j], 2 * j + 1, links);
     }
@@ -244,7 +244,7 @@ static void part_group(const division *d, uint32_t group) {
 
 static size_t count_corners(const division *d, uint32_t group) {
     size_t count = 0;
-    for (uint32_t j = d->first[group]; j != MIKK_NONE; j = d->following[j]) count++;
+    for (uint32_t j = d->first[group]; j != MIKK_NONE; j = d->following[j]) ++count;
     return count;
 }
 
@@ -261,7 +261,7 @@ static void core_mikk_divide(mikk_star *star) {
         following[j] = first[group];
         first[group] = j;
     }
-    for (uint32_t g = 0; g < groups; g++) {
+    for (uint32_t g = 0; g < groups; ++g) {
         if (!star->spaces[g].opposed) continue;
         if (count_corners(&d, g) > MOST_DIVIDED)
             part_group(&d, g);
@@ -288,7 +288,7 @@ static void find_mikk_groups(mikk_star *star) {
     uint32_t sequence = 0;
     memset(star->space, 0xff, star->count * sizeof *star->space);
     star->space_count = 0;
-    for (uint32_t j = 0; j < star->count; j++) {
+    for (uint32_t j = 0; j < star->count; ++j) {
         const uint8_t flags = mikk_flags_of(star, j);
         if (star->space[j] != MIKK_NONE || (flags & MIKK_FOLLOWS)) continue;
         const uint32_t group = (uint32_t)star->space_count++;
@@ -315,7 +315,7 @@ static seed_vectors seed_of(const mikk_star *star, uint32_t group) {
 /* Two tangents that each lie well within a right angle of a third are not opposed to each other. */
 static int lies_near(const mikk_corners *c, size_t lane, const seed_vectors *seed) {
     float s = 0, t = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         s += c->s[k][lane] * seed->s[k];
         t += c->t[k][lane] * seed->t[k];
     }
@@ -328,7 +328,7 @@ static int sum_mikk_groups(mikk_star *star) {
     uint32_t seeded = MIKK_NONE; /* the group that seed is of */
     seed_vectors seed = {{0}, {0}};
     int opposed = 0;
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         const uint32_t g = star->space[j];
         if (g == MIKK_NONE || (mikk_flags_of(star, j) & MIKK_FOLLOWS)) continue;
         const mikk_corners *c = mikk_block(star, j);
@@ -343,11 +343,11 @@ static int sum_mikk_groups(mikk_star *star) {
 /* Returns whether some group's tangents may be opposed to each other. */
 static int sum_records(mikk_star *star) {
     int opposed = 0;
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         if (mikk_flags_of(star, j) & MIKK_FOLLOWS) continue;
         const mikk_record *r = &star->mesh->records[star->corners[j]];
         mikk_space *space = &star->spaces[star->space[j]];
-        for (int k = 0; k < 3; k++) space->s[k] += r->sum[k];
+        for (int k = 0; k < 3; ++k) space->s[k] += r->sum[k];
         space->ends |= r->ends;
         opposed |= mikk_ends_oppose(space->ends);
     }
@@ -360,7 +360,7 @@ static int core_mikk_groups_of_records(mikk_star *star) {
     norma_core_mikk_link(star->next, star->previous, star->count, star->table, &star->links);
     find_mikk_groups(star);
     if (sum_records(star)) return 0;
-    for (size_t g = 0; g < star->space_count; g++) core_mikk_finish(star, &star->spaces[g]);
+    for (size_t g = 0; g < star->space_count; ++g) core_mikk_finish(star, &star->spaces[g]);
     return 1;
 }
 
@@ -370,7 +370,7 @@ static void core_mikk_groups(mikk_star *star) {
     find_mikk_groups(star);
     const size_t groups = star->space_count;
     if (sum_mikk_groups(star)) core_mikk_divide(star);
-    for (size_t g = 0; g < groups; g++) core_mikk_finish(star, &star->spaces[g]);
+    for (size_t g = 0; g < groups; ++g) core_mikk_finish(star, &star->spaces[g]);
 }
 
 /* ---- Vertex by vertex, what its corners contribute, their groups, and what is written.
@@ -396,12 +396,12 @@ typedef struct star_work {
 
 static void load_corner(const mikk_mesh *m, uint32_t corner, size_t lane, mikk_batch *batch) {
     const uint32_t at = corner % 3, *triangle = &m->triangles[corner - at];
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         const tangent_vertex *v = &m->vertices[triangle[i]];
-        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
-        for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
+        for (int k = 0; k < 3; ++k) batch->position[i][k][lane] = v->position[k];
+        for (int k = 0; k < 2; ++k) batch->texcoord[i][k][lane] = v->texcoord[k];
     }
-    for (int k = 0; k < 3; k++) batch->normal[at][k][lane] = m->vertices[triangle[at]].normal[k];
+    for (int k = 0; k < 3; ++k) batch->normal[at][k][lane] = m->vertices[triangle[at]].normal[k];
     batch->turn[lane] = (float)at;
 }
 
@@ -415,7 +415,7 @@ static void await_triangles(const mikk_mesh *m, size_t vertex) {
     const size_t begin = m->around.starts[vertex], rest = m->around.starts[m->vertex_count] - begin,
                  count = rest < CORNERS_IN_BATCH ? rest : CORNERS_IN_BATCH;
     const uint32_t *corners = m->around.corners + begin;
-    for (size_t j = 0; j < count; j++) {
+    for (size_t j = 0; j < count; ++j) {
         TANGENT_PREFETCH(&m->triangles[corners[j] - corners[j] % 3]);
         TANGENT_PREFETCH(&m->flags[corners[j] / 3]);
     }
@@ -426,7 +426,7 @@ static void read_star_triangles(
     const star_work *w, const uint32_t *corners, size_t count, const star_corners *out) {
     static const uint8_t following[] = {1, 2, 0}, preceding[] = {2, 0, 1};
     const mikk_mesh *m = w->mesh;
-    for (size_t j = 0; j < count; j++) {
+    for (size_t j = 0; j < count; ++j) {
         const uint32_t at = corners[j] % 3, *triangle = &m->triangles[corners[j] - at];
         out->next[j] = triangle[following[at]];
         out->previous[j] = triangle[preceding[at]];
@@ -440,7 +440,7 @@ static void read_star_triangles(
 /* Once the triangles have been read. */
 static void contribute_corners(const star_work *w, const uint32_t *corners, size_t count,
     mikk_batch *batch, mikk_corners *contributions) {
-    for (size_t j = 0; j < count; j++) {
+    for (size_t j = 0; j < count; ++j) {
         load_corner(w->mesh, corners[j], j % MIKK_LANES, batch);
         if (j % MIKK_LANES == MIKK_LANES - 1 || j + 1 == count)
             w->kernels->contribute(batch, &contributions[j / MIKK_LANES]);
@@ -456,7 +456,7 @@ static int is_of_use(const float v[3]) {
 
 static int same_space(const mikk_space *a, const mikk_space *b) {
     int same = (a->length_s == b->length_s) & (a->length_t == b->length_t);
-    for (int k = 0; k < 3; k++) same &= (a->s[k] == b->s[k]) & (a->t[k] == b->t[k]);
+    for (int k = 0; k < 3; ++k) same &= (a->s[k] == b->s[k]) & (a->t[k] == b->t[k]);
     return same;
 }
 
@@ -467,7 +467,7 @@ static mikk_space average(const mikk_space *first, const mikk_space *second) {
     mikk_space space = *first;
     space.positive = second->positive;
     if (same_space(first, second)) return space;
-    for (int k = 0; k < 3; k++) space.s[k] = first->s[k] + second->s[k];
+    for (int k = 0; k < 3; ++k) space.s[k] = first->s[k] + second->s[k];
     core_mikk_normalise(space.s);
     return space;
 }
@@ -523,7 +523,7 @@ static void write_star_corners(const star_work *w, const mikk_star *star, core_t
     const tangent_vertex *vertex = &w->mesh->vertices[star->vertex];
     uint32_t last = MIKK_NONE; /* whose space was written last */
     written_tangent out = {.reason = NORMA_REASON_NONE};
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         if (w->mesh->corners && !is_written(star, j)) continue;
         const int own = is_held_before(star, j) || star->space[j] == MIKK_NONE;
         if (own || star->space[j] != last) {
@@ -551,12 +551,12 @@ static size_t find_corner(const mikk_star *star, uint32_t corner) {
 static void write_copies(const star_work *w, const mikk_star *star, core_tally *tally) {
     const mikk_mesh *m = w->mesh;
     if (!m->copy_starts) return;
-    for (uint32_t i = m->copy_starts[star->vertex]; i < m->copy_starts[star->vertex + 1]; i++) {
+    for (uint32_t i = m->copy_starts[star->vertex]; i < m->copy_starts[star->vertex + 1]; ++i) {
         const mikk_copy copy = m->copies[i];
         corner_tangent tangent = {.sign = 1, .reason = NORMA_REASON_DEGENERATE};
         if (star->count) {
             size_t j = copy.source == MIKK_NONE ? 0 : find_corner(star, copy.source);
-            if (is_joined_later(star, j)) j++;
+            if (is_joined_later(star, j)) ++j;
             tangent = tangent_of_corner(star, j);
         }
         const uint32_t key = norma_core_tangent_key(m->input, copy.target);
@@ -608,7 +608,7 @@ static size_t gather_batch(
     const mikk_mesh *m, small_stars *s, size_t begin, size_t end, size_t *filled) {
     size_t vertex = begin;
     *filled = 0;
-    for (; vertex < end && *filled < CORNERS_IN_BATCH; vertex++) {
+    for (; vertex < end && *filled < CORNERS_IN_BATCH; ++vertex) {
         const size_t count = mikk_star_count(m, vertex);
         if (count > MIKK_SMALL_STAR) continue;
         memcpy(s->corners + *filled, m->around.corners + m->around.starts[vertex],
@@ -627,7 +627,7 @@ static size_t run_batch(
     read_star_triangles(w, s->corners, filled, &out);
     await_triangles(m, vertex);
     contribute_corners(w, s->corners, filled, &s->batch, s->contributions);
-    for (size_t v = begin; v < vertex; v++) {
+    for (size_t v = begin; v < vertex; ++v) {
         if (mikk_star_count(m, v) > MIKK_SMALL_STAR) continue;
         mikk_star star = small_star(w, s, v, first);
         core_mikk_groups(&star);
@@ -643,7 +643,7 @@ static size_t run_batch(
 static void await_records(const star_work *w, size_t begin, size_t end) {
     const mikk_mesh *m = w->mesh;
     const size_t count = m->around.starts[m->vertex_count];
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         if (i + RECORDS_AHEAD >= count) return;
         const uint32_t corner = m->around.corners[i + RECORDS_AHEAD];
         TANGENT_PREFETCH(&m->records[corner]);
@@ -653,7 +653,7 @@ static void await_records(const star_work *w, size_t begin, size_t end) {
 }
 
 static void group_records(const star_work *w, small_stars *s, mikk_star *star) {
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         const mikk_record *r = &w->mesh->records[star->corners[j]];
         s->next[j] = r->next;
         s->previous[j] = r->previous;
@@ -667,7 +667,7 @@ static void group_records(const star_work *w, small_stars *s, mikk_star *star) {
 static void run_recorded(
     const star_work *w, small_stars *s, size_t begin, size_t end, core_tally *tally) {
     const mikk_mesh *m = w->mesh;
-    for (size_t v = begin; v < end; v++) {
+    for (size_t v = begin; v < end; ++v) {
         if (mikk_star_count(m, v) > MIKK_SMALL_STAR) continue;
         mikk_star star = small_star(w, s, v, 0);
         await_records(w, m->around.starts[v], m->around.starts[v + 1]);
@@ -739,7 +739,7 @@ static norma_result run_large(const star_work *w, core_tally *tally) {
     s.flags = norma_core_allocate(call, s.most, 1);
     norma_result result = norma_core_mikk_table_open(call, s.most, &s.table);
     if (!s.contributions || !s.numbers || !s.spaces || !s.flags) result = NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; v++)
+    for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; ++v)
         if (mikk_star_count(w->mesh, v) > MIKK_SMALL_STAR) finish_large(w, &s, v, tally);
     norma_core_mikk_table_close(call, s.most, &s.table);
     norma_core_release(call, s.contributions, s.blocks, sizeof *s.contributions);
@@ -760,7 +760,7 @@ norma_result norma_core_mikk_stars(mikk_mesh *m, const tangent_output *output, c
     memset(w.tallies, 0, tasks * sizeof *w.tallies);
     norma_result result = norma_core_parallel(m->call, tasks, mikk_star_task, &w);
     if (result == NORMA_OK) result = run_large(&w, tally);
-    for (size_t i = 0; i < tasks && result == NORMA_OK; i++)
+    for (size_t i = 0; i < tasks && result == NORMA_OK; ++i)
         norma_core_tally_add(tally, &w.tallies[i]);
     norma_core_release(m->call, w.tallies, tasks, sizeof *w.tallies);
     return result;

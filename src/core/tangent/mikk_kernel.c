@@ -69,7 +69,7 @@ CORE_INLINE derivative derive_lane(const mikk_batch *b, int l) {
 }
 
 CORE_INLINE void derive(const mikk_batch *restrict b, mikk_derivative *restrict out) {
-    for (int l = 0; l < MIKK_LANES; l++) {
+    for (int l = 0; l < MIKK_LANES; ++l) {
         const derivative d = derive_lane(b, l);
         const int none = is_zero_lane(d.area);
         const float s = sqrtf(dot_3(d.s, d.s)) / fabsf(d.area),
@@ -104,7 +104,7 @@ CORE_INLINE void put_vector(mikk_lane lanes[3], int l, vector v) {
 /* Only of triangles that have a texture area. */
 CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict out) {
     float cosines[MIKK_LANES];
-    for (int l = 0; l < MIKK_LANES; l++) {
+    for (int l = 0; l < MIKK_LANES; ++l) {
         const derivative d = derive_lane(b, l);
         const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot_3(d.s, d.s)),
                     length_t = sqrtf(dot_3(d.t, d.t));
@@ -118,7 +118,7 @@ CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict
         out->length_s[l] = length_s / fabsf(d.area);
         out->length_t[l] = length_t / fabsf(d.area);
     }
-    for (int l = 0; l < MIKK_LANES; l++) out->angle[l] = acos_of(cosines[l]);
+    for (int l = 0; l < MIKK_LANES; ++l) out->angle[l] = acos_of(cosines[l]);
 }
 
 /* In which of the six directions along the axes it points: each bit is one. */
@@ -134,7 +134,7 @@ typedef struct directions {
 
 CORE_INLINE void derive_directions(
     const mikk_batch *restrict b, directions *restrict out, mikk_derivative *restrict lengths) {
-    for (int l = 0; l < MIKK_LANES; l++) {
+    for (int l = 0; l < MIKK_LANES; ++l) {
         const derivative d = derive_lane(b, l);
         const int none = is_zero_lane(d.area);
         const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot_3(d.s, d.s)),
@@ -151,12 +151,12 @@ CORE_INLINE void derive_directions(
 CORE_INLINE void add_up_corner(const mikk_batch *restrict b, const directions *restrict d,
     int corner, mikk_addends *restrict out) {
     mikk_lane angle;
-    for (int l = 0; l < MIKK_LANES; l++)
+    for (int l = 0; l < MIKK_LANES; ++l)
         angle[l] =
             cosine_of(axis_at(b->position[(corner + 2) % 3], l), axis_at(b->position[corner], l),
                 axis_at(b->position[(corner + 1) % 3], l), axis_at(b->normal[corner], l));
-    for (int l = 0; l < MIKK_LANES; l++) angle[l] = acos_of(angle[l]);
-    for (int l = 0; l < MIKK_LANES; l++) {
+    for (int l = 0; l < MIKK_LANES; ++l) angle[l] = acos_of(angle[l]);
+    for (int l = 0; l < MIKK_LANES; ++l) {
         const vector n = axis_at(b->normal[corner], l), s = projected(axis_at(d->s, l), n),
                      t = projected(axis_at(d->t, l), n);
         out->ends[corner][l] =
@@ -170,7 +170,7 @@ CORE_INLINE void add_up_corner(const mikk_batch *restrict b, const directions *r
 CORE_INLINE void add_up_mikk(const mikk_batch *restrict b, mikk_addends *restrict out) {
     directions d;
     derive_directions(b, &d, &out->derivative);
-    for (int corner = 0; corner < 3; corner++) add_up_corner(b, &d, corner, out);
+    for (int corner = 0; corner < 3; ++corner) add_up_corner(b, &d, corner, out);
 }
 
 static void derive_portable(const mikk_batch *restrict b, mikk_derivative *restrict out) {

@@ -42,17 +42,17 @@ static inline void steady_normalise(const double v[3], double unit[3]) {
         return;
     }
     const double inverse = 1 / sqrt(square);
-    for (int k = 0; k < 3; k++) unit[k] = v[k] * inverse;
+    for (int k = 0; k < 3; ++k) unit[k] = v[k] * inverse;
 }
 
 static inline int steady_make_perpendicular(
     const double v[3], const double normal[3], double out[3]) {
     const double along = norma_core_dot(v, normal);
-    for (int k = 0; k < 3; k++) out[k] = v[k] - along * normal[k];
+    for (int k = 0; k < 3; ++k) out[k] = v[k] - along * normal[k];
     const double length = sqrt(norma_core_dot(out, out)); /* of a part of a unit vector */
     if (!(length > STEADY_NOTHING_LEFT)) return 0;
     const double inverse = 1 / length;
-    for (int k = 0; k < 3; k++) out[k] *= inverse;
+    for (int k = 0; k < 3; ++k) out[k] *= inverse;
     return 1;
 }
 
@@ -60,7 +60,7 @@ static inline void steady_position(const tangent_mesh *mesh, size_t key, double 
     if (mesh->exact)
         memcpy(out, mesh->exact[key], sizeof mesh->exact[key]);
     else
-        for (int k = 0; k < 3; k++) out[k] = (double)mesh->vertices[key].position[k];
+        for (int k = 0; k < 3; ++k) out[k] = (double)mesh->vertices[key].position[k];
 }
 
 /* ---- measure_face and part_of_face, many triangles at a time, compiled for each
@@ -86,7 +86,7 @@ typedef struct steady_addends {
 typedef void steady_kernel(const steady_batch *batch, norma_weight weight, steady_addends *out);
 
 CORE_INLINE void steady_axis_at(steady_lane const *of, int lane, double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = of[k][lane];
+    for (int k = 0; k < 3; ++k) out[k] = of[k][lane];
 }
 CORE_INLINE int is_held_lane(double square) {
     return (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
@@ -95,7 +95,7 @@ CORE_INLINE int is_held_lane(double square) {
 /* along: unit. */
 CORE_INLINE void measure_steady_lanes(const steady_batch *restrict b, steady_lane along[3],
     double *restrict twice_area, steady_addends *restrict out) {
-    for (int l = 0; l < STEADY_LANES; l++) {
+    for (int l = 0; l < STEADY_LANES; ++l) {
         double here[3], p[3], q[3], cross[3], v[3];
         steady_axis_at(b->position[0], l, here);
         steady_axis_at(b->position[1], l, p);
@@ -109,12 +109,12 @@ CORE_INLINE void measure_steady_lanes(const steady_batch *restrict b, steady_lan
                      t1 = b->texcoord[2][1][l] - b->texcoord[0][1][l], area = s0 * t1 - s1 * t0,
                      magnitude = fabs(s0 * t1) + fabs(s1 * t0),
                      square = norma_core_dot(cross, cross);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const double sum = t1 * p[k] - s1 * q[k];
             v[k] = area < 0 ? -sum : sum;
         }
         const double along_square = norma_core_dot(v, v), inverse = 1 / sqrt(along_square);
-        for (int k = 0; k < 3; k++) along[k][l] = v[k] * inverse;
+        for (int k = 0; k < 3; ++k) along[k][l] = v[k] * inverse;
         twice_area[l] = sqrt(square);
         const double sign = area < 0 ? -1 : 1;
         out->sign[l] = fabs(area) > STEADY_ROUNDING * magnitude ? sign : 0;
@@ -130,16 +130,16 @@ typedef struct corner_lanes {
 /* Sums: not weighed yet. */
 CORE_INLINE void turn_corner(const steady_batch *restrict b, steady_lane along[3], int corner,
     corner_lanes *restrict c, steady_addends *restrict out) {
-    for (int l = 0; l < STEADY_LANES; l++) {
+    for (int l = 0; l < STEADY_LANES; ++l) {
         double n[3], v[3], here[3], next[3], previous[3], cross[3];
         steady_axis_at(b->normal[corner], l, n);
-        for (int k = 0; k < 3; k++) v[k] = along[k][l];
+        for (int k = 0; k < 3; ++k) v[k] = along[k][l];
         const double square = norma_core_dot(n, n), inverse = 1 / sqrt(square);
-        for (int k = 0; k < 3; k++) n[k] = n[k] * inverse;
+        for (int k = 0; k < 3; ++k) n[k] = n[k] * inverse;
         const double by = norma_core_dot(v, n);
-        for (int k = 0; k < 3; k++) v[k] = v[k] - by * n[k];
+        for (int k = 0; k < 3; ++k) v[k] = v[k] - by * n[k];
         const double length = sqrt(norma_core_dot(v, v)), scale = 1 / length;
-        for (int k = 0; k < 3; k++) out->sum[corner][k][l] = v[k] * scale;
+        for (int k = 0; k < 3; ++k) out->sum[corner][k][l] = v[k] * scale;
         c->is_there[l] = length > STEADY_NOTHING_LEFT ? 1 : 0;
 
         steady_axis_at(b->position[corner], l, here);
@@ -161,10 +161,10 @@ CORE_INLINE void turn_corner(const steady_batch *restrict b, steady_lane along[3
 CORE_INLINE void weigh_lanes(const corner_lanes *restrict c, const double *restrict twice_area,
     norma_weight weight, double *restrict out) {
     if (weight == NORMA_WEIGHT_ANGLE)
-        for (int l = 0; l < STEADY_LANES; l++)
+        for (int l = 0; l < STEADY_LANES; ++l)
             out[l] = norma_core_weight_angle(c->cross[l], c->ab[l]);
     else
-        for (int l = 0; l < STEADY_LANES; l++)
+        for (int l = 0; l < STEADY_LANES; ++l)
             out[l] = norma_core_weigh(
                 weight, c->aa[l], c->bb[l], c->ab[l], c->cross[l], twice_area[l], 0);
 }
@@ -173,13 +173,13 @@ CORE_INLINE void add_up_steady(
     const steady_batch *restrict b, norma_weight weight, steady_addends *restrict out) {
     steady_lane along[3], twice_area;
     measure_steady_lanes(b, along, twice_area, out);
-    for (int corner = 0; corner < 3; corner++) {
+    for (int corner = 0; corner < 3; ++corner) {
         corner_lanes c;
         steady_lane weights;
         turn_corner(b, along, corner, &c, out);
         weigh_lanes(&c, twice_area, weight, weights);
-        for (int l = 0; l < STEADY_LANES; l++) {
-            for (int k = 0; k < 3; k++)
+        for (int l = 0; l < STEADY_LANES; ++l) {
+            for (int k = 0; k < 3; ++k)
                 out->sum[corner][k][l] =
                     c.is_there[l] > 0 ? out->sum[corner][k][l] * weights[l] : 0;
             out->weight[corner][l] = c.is_there[l] > 0 ? weights[l] : 0;
@@ -241,10 +241,10 @@ static int compare_area(const tangent_mesh *mesh, uint32_t a, uint32_t b) {
     float x[8], y[8];
     memcpy(x, &mesh->vertices[a], sizeof x);
     memcpy(y, &mesh->vertices[b], sizeof y);
-    for (int k = 0; k < 3 && mesh->exact; k++)
+    for (int k = 0; k < 3 && mesh->exact; ++k)
         if (mesh->exact[a][k] != mesh->exact[b][k])
             return mesh->exact[a][k] < mesh->exact[b][k] ? -1 : 1;
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; k < 8; ++k)
         if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
     return 0;
 }
@@ -257,21 +257,21 @@ static size_t least_rotation(const face_corners *f) {
         const int order = compare_area(
             f->mesh, key_of_face(f, (i + same) % f->count), key_of_face(f, (j + same) % f->count));
         if (!order) {
-            same++;
+            ++same;
             continue;
         }
         if (order > 0)
             i += same + 1;
         else
             j += same + 1;
-        if (i == j) j++;
+        if (i == j) ++j;
         same = 0;
     }
     return i < j ? i : j;
 }
 
 static void difference(const float a[2], const float b[2], double out[2]) {
-    for (int k = 0; k < 2; k++) out[k] = (double)a[k] - (double)b[k];
+    for (int k = 0; k < 2; ++k) out[k] = (double)a[k] - (double)b[k];
 }
 
 typedef struct face_sums {
@@ -295,25 +295,25 @@ static void add_steady_triangle(face_sums *sums, const face_corners *f, size_t i
     norma_core_cross(p, q, cross);
     sums->area += s[0] * t[1] - s[1] * t[0];
     sums->magnitude += fabs(s[0] * t[1]) + fabs(s[1] * t[0]);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         sums->along[k] += t[1] * p[k] - s[1] * q[k];
         sums->normal[k] += cross[k];
     }
 }
 
 static int is_face_finite(const face_corners *f) {
-    for (size_t i = 0; i < f->count; i++)
+    for (size_t i = 0; i < f->count; ++i)
         if (!norma_core_tangent_is_finite(corner_of_face(f, i))) return 0;
     return 1;
 }
 
 static int8_t measure_face(const face_corners *f, steady_face *face) {
     face_sums sums = {0};
-    for (size_t i = 1; i + 1 < f->count; i++) add_steady_triangle(&sums, f, i);
+    for (size_t i = 1; i + 1 < f->count; ++i) add_steady_triangle(&sums, f, i);
     memcpy(face->normal, sums.normal, sizeof face->normal);
     face->twice_area = steady_length(sums.normal);
     if (!(fabs(sums.area) > STEADY_ROUNDING * sums.magnitude) || !(face->twice_area > 0)) return 0;
-    for (int k = 0; k < 3; k++) face->along[k] = sums.area < 0 ? -sums.along[k] : sums.along[k];
+    for (int k = 0; k < 3; ++k) face->along[k] = sums.area < 0 ? -sums.along[k] : sums.along[k];
     steady_normalise(face->along, face->along);
     if (steady_length(face->along) == 0) return 0;
     return sums.area < 0 ? -1 : 1;
@@ -377,7 +377,7 @@ static steady_part part_of_face(
     steady_normalise(given, normal);
     if (!steady_make_perpendicular(face->along, normal, part.sum)) return (steady_part){{0}, 0};
     part.weight = weight_of_corner(m, face, number, corner);
-    for (int k = 0; k < 3; k++) part.sum[k] *= part.weight;
+    for (int k = 0; k < 3; ++k) part.sum[k] *= part.weight;
     return part;
 }
 
@@ -394,7 +394,7 @@ static void add_steady_face(const steady_mesh *m, size_t number) {
     if (count < 3 || !is_face_finite(&f)) return;
     f.start = least_rotation(&f);
     m->signs[number] = measure_face(&f, &face);
-    for (size_t c = first; c < first + count && m->signs[number]; c++)
+    for (size_t c = first; c < first + count && m->signs[number]; ++c)
         m->parts[c] = part_of_face(m, &face, number, c);
 }
 
@@ -414,13 +414,13 @@ static size_t load_face_lane(const steady_mesh *m, size_t triangle, int lane, st
     const tangent_vertex *const v[3] = {
         corner_of_face(&f, 0), corner_of_face(&f, 1), corner_of_face(&f, 2)};
     const size_t start = start_of_triangle(&f, v);
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         const tangent_vertex *from = v[(start + i) % 3];
         double at[3];
         steady_position(m->input, (size_t)(from - m->input->vertices), at);
-        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = at[k];
-        for (int k = 0; k < 3; k++) batch->normal[i][k][lane] = (double)from->normal[k];
-        for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = (double)from->texcoord[k];
+        for (int k = 0; k < 3; ++k) batch->position[i][k][lane] = at[k];
+        for (int k = 0; k < 3; ++k) batch->normal[i][k][lane] = (double)from->normal[k];
+        for (int k = 0; k < 2; ++k) batch->texcoord[i][k][lane] = (double)from->texcoord[k];
     }
     return start;
 }
@@ -428,7 +428,7 @@ static size_t load_face_lane(const steady_mesh *m, size_t triangle, int lane, st
 static void store_face_lane(
     const steady_mesh *m, size_t triangle, int lane, size_t start, const steady_addends *addends) {
     m->signs[triangle] = (int8_t)addends->sign[lane];
-    for (size_t i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; ++i)
         m->parts[3 * triangle + (start + i) % 3] = (steady_part){
             {addends->sum[i][0][lane], addends->sum[i][1][lane], addends->sum[i][2][lane]},
             addends->weight[i][lane]};
@@ -442,12 +442,12 @@ static void add_steady_triangles(const steady_mesh *m, size_t begin, size_t end)
     memset(&batch, 0, sizeof batch);
     for (size_t t = begin; t < end; t += STEADY_LANES) {
         const int count = end - t < STEADY_LANES ? (int)(end - t) : STEADY_LANES;
-        for (int l = 0; l < count; l++) {
+        for (int l = 0; l < count; ++l) {
             norma_core_tangent_await(m->input, t + (size_t)l + TANGENT_FACES_AHEAD);
             starts[l] = load_face_lane(m, t + (size_t)l, l, &batch);
         }
         kernel(&batch, m->call->options.weight, &out);
-        for (int l = 0; l < count; l++)
+        for (int l = 0; l < count; ++l)
             if (out.is_sure[l] > 0)
                 store_face_lane(m, t + (size_t)l, l, starts[l], &out);
             else
@@ -462,13 +462,13 @@ static void face_task(void *context, size_t task) {
                                                          ? mesh->face_count
                                                          : begin + FACES_IN_TASK;
     const size_t last = norma_core_face_begin(mesh, end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < last; c++)
+    for (size_t c = norma_core_face_begin(mesh, begin); c < last; ++c)
         m->vertex_of[c] = norma_core_tangent_vertex(m->input, c);
     if (!mesh->face_starts) {
         add_steady_triangles(m, begin, end);
         return;
     }
-    for (size_t face = begin; face < end; face++) {
+    for (size_t face = begin; face < end; ++face) {
         norma_core_tangent_await(m->input, face + TANGENT_FACES_AHEAD);
         add_steady_face(m, face);
     }
@@ -501,7 +501,7 @@ typedef struct steady_star {
 
 static int log2_above(size_t count) {
     int log = 0;
-    while (count >> log) log++;
+    while (count >> log) ++log;
     return log;
 }
 
@@ -518,13 +518,13 @@ typedef struct steady_side {
 
 static steady_side side_of_corner(const steady_mesh *m, const steady_star *star, int negative) {
     steady_side side = {.negative = negative};
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         const size_t face = norma_core_face_of(&m->around, star->corners[j]);
         if (is_negative(m, face) != negative) continue;
-        side.count++;
+        ++side.count;
         if (!m->signs[face]) continue;
         const double weight = m->parts[star->corners[j]].weight;
-        side.own++;
+        ++side.own;
         side.largest = weight > side.largest ? weight : side.largest;
     }
     return side;
@@ -537,11 +537,11 @@ static corner_tangent sum_of_side(
     const double scale = ldexp(1, shift / 2), rest = ldexp(1, shift - shift / 2);
     corner_tangent out = {.reason = NORMA_REASON_CANCELLED};
     int64_t sum[3] = {0}, weight = 0;
-    for (size_t j = 0; j < star->count; j++) {
+    for (size_t j = 0; j < star->count; ++j) {
         const int sign = m->signs[norma_core_face_of(&m->around, star->corners[j])];
         if (!sign || (sign < 0) != side->negative) continue;
         const steady_part *part = &m->parts[star->corners[j]];
-        for (int k = 0; k < 3; k++) sum[k] += (int64_t)(part->sum[k] * scale * rest);
+        for (int k = 0; k < 3; ++k) sum[k] += (int64_t)(part->sum[k] * scale * rest);
         weight += (int64_t)(part->weight * scale * rest);
     }
     double direction[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
@@ -549,7 +549,7 @@ static corner_tangent sum_of_side(
     steady_normalise(direction, direction);
     if (!steady_make_perpendicular(direction, star->normal, direction)) return out;
     out.reason = NORMA_REASON_NONE;
-    for (int k = 0; k < 3; k++) out.direction[k] = (float)direction[k] + 0.0F;
+    for (int k = 0; k < 3; ++k) out.direction[k] = (float)direction[k] + 0.0F;
     return out;
 }
 
@@ -573,12 +573,12 @@ static void finish_star(const steady_work *w, uint32_t vertex, core_tally *tally
         .corners = m->around.corners + begin, .count = m->around.starts[vertex + 1] - begin};
     const double normal[3] = {(double)at->normal[0], (double)at->normal[1], (double)at->normal[2]};
     if (norma_core_tangent_is_finite(at)) steady_normalise(normal, star.normal);
-    for (int negative = 0; negative < 2; negative++) {
+    for (int negative = 0; negative < 2; ++negative) {
         const steady_side side = side_of_corner(m, &star, negative);
         if (!side.count) continue;
         const corner_tangent tangent = tangent_of_side(m, &star, &side);
         const written_tangent out = norma_core_tangent_to_write(at, &tangent);
-        for (size_t j = 0; j < star.count; j++)
+        for (size_t j = 0; j < star.count; ++j)
             if (is_negative(m, norma_core_face_of(&m->around, star.corners[j])) == negative)
                 norma_core_put_tangent(w->output, star.corners[j], &out, tally);
     }
@@ -592,7 +592,7 @@ static size_t steady_star_count(const steady_mesh *m, size_t vertex) {
 static void await_star(const steady_work *w, size_t vertex) {
     const steady_mesh *m = w->mesh;
     if (vertex >= m->input->key_count || steady_star_count(m, vertex) > MOST_AHEAD) return;
-    for (uint32_t i = m->around.starts[vertex]; i < m->around.starts[vertex + 1]; i++) {
+    for (uint32_t i = m->around.starts[vertex]; i < m->around.starts[vertex + 1]; ++i) {
         const uint32_t corner = m->around.corners[i];
         TANGENT_PREFETCH(&m->parts[corner]);
         TANGENT_PREFETCH(&m->signs[norma_core_face_of(&m->around, corner)]);
@@ -604,7 +604,7 @@ static void steady_star_task(void *context, size_t task) {
     const steady_work *w = context;
     const size_t count = w->mesh->input->key_count, begin = task * VERTICES_IN_TASK,
                  end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
-    for (size_t v = begin; v < end; v++) {
+    for (size_t v = begin; v < end; ++v) {
         await_star(w, v + STARS_AHEAD);
         if (steady_star_count(w->mesh, v)) finish_star(w, (uint32_t)v, &w->tallies[task]);
     }
@@ -618,7 +618,7 @@ static norma_result run_stars(
     if (!w.tallies) return NORMA_ERROR_MEMORY;
     memset(w.tallies, 0, tasks * sizeof *w.tallies);
     const norma_result result = norma_core_parallel(m->call, tasks, steady_star_task, &w);
-    for (size_t i = 0; i < tasks && result == NORMA_OK; i++)
+    for (size_t i = 0; i < tasks && result == NORMA_OK; ++i)
         norma_core_tally_add(tally, &w.tallies[i]);
     norma_core_release(m->call, w.tallies, tasks, sizeof *w.tallies);
     return result;
@@ -629,14 +629,14 @@ static norma_result run_stars(
 static void adopt_signs(steady_mesh *m, uint8_t *present) {
     const core_mesh *mesh = &m->input->mesh;
     memset(present, 0, m->input->key_count);
-    for (size_t face = 0; face < mesh->face_count; face++)
+    for (size_t face = 0; face < mesh->face_count; ++face)
         for (size_t c = norma_core_face_begin(mesh, face);
-             m->signs[face] && c < norma_core_face_end(mesh, face); c++)
+             m->signs[face] && c < norma_core_face_end(mesh, face); ++c)
             present[m->vertex_of[c]] |= m->signs[face] < 0 ? 2 : 1;
-    for (size_t face = 0; face < mesh->face_count; face++) {
+    for (size_t face = 0; face < mesh->face_count; ++face) {
         size_t negative = 0, positive = 0;
         for (size_t c = norma_core_face_begin(mesh, face);
-             !m->signs[face] && c < norma_core_face_end(mesh, face); c++) {
+             !m->signs[face] && c < norma_core_face_end(mesh, face); ++c) {
             negative += present[m->vertex_of[c]] >> 1;
             positive += present[m->vertex_of[c]] & 1;
         }
@@ -647,7 +647,7 @@ static void adopt_signs(steady_mesh *m, uint8_t *present) {
 static norma_result adopt(steady_mesh *m) {
     const size_t count = m->input->mesh.face_count;
     int any = 0;
-    for (size_t face = 0; face < count; face++) any |= !m->signs[face];
+    for (size_t face = 0; face < count; ++face) any |= !m->signs[face];
     if (!any) return NORMA_OK;
     uint8_t *present = norma_core_allocate(m->call, m->input->key_count, 1);
     m->adopted = norma_core_allocate(m->call, count, 1);
@@ -672,7 +672,7 @@ static norma_result sort_steady_corners(
 
 /* A face without texture area takes its sign from others. */
 static int steady_hangs_on_others(const steady_mesh *m) {
-    for (size_t face = 0; face < m->input->mesh.face_count; face++)
+    for (size_t face = 0; face < m->input->mesh.face_count; ++face)
         if (!m->signs[face]) return 1;
     return 0;
 }
@@ -694,12 +694,12 @@ static norma_result run_steady(steady_mesh *m, const tangent_output *output, cor
 /* By a power of two, so that squares of squares of lengths are held. */
 static void scale_exact_positions(const tangent_mesh *m) {
     double largest = 0;
-    for (size_t i = 0; i < m->key_count; i++)
-        for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < m->key_count; ++i)
+        for (int k = 0; k < 3; ++k)
             if (isfinite(m->exact[i][k])) largest = fmax(largest, fabs(m->exact[i][k]));
     const int shift = largest > 0 ? -ilogb(largest) : 0;
-    for (size_t i = 0; i < m->key_count; i++)
-        for (int k = 0; k < 3; k++) m->exact[i][k] = ldexp(m->exact[i][k], shift);
+    for (size_t i = 0; i < m->key_count; ++i)
+        for (int k = 0; k < 3; ++k) m->exact[i][k] = ldexp(m->exact[i][k], shift);
 }
 
 norma_result norma_core_steady_tangents(
@@ -728,6 +728,6 @@ norma_result norma_core_steady_stars(
     const size_t corners = mesh->mesh.corner_count;
     *vertex_of = norma_core_allocate(mesh->call, corners, sizeof **vertex_of);
     if (!*vertex_of) return NORMA_ERROR_MEMORY;
-    for (size_t c = 0; c < corners; c++) (*vertex_of)[c] = norma_core_tangent_vertex(mesh, c);
+    for (size_t c = 0; c < corners; ++c) (*vertex_of)[c] = norma_core_tangent_vertex(mesh, c);
     return sort_steady_corners(mesh, *vertex_of, around);
 }

@@ -92,7 +92,7 @@ static void want_position(region_search *s, uint32_t vertex) {
     const uint32_t position = position_of_corner(s->plan, vertex);
     if (s->seen[position] & 1) return;
     s->seen[position] |= 1;
-    for (uint32_t i = at->starts[position]; i < at->starts[position + 1]; i++)
+    for (uint32_t i = at->starts[position]; i < at->starts[position + 1]; ++i)
         want(s, at->corners[i]);
 }
 
@@ -103,9 +103,9 @@ static void want_around(region_search *s, uint32_t vertex) {
     const uint32_t position = position_of_corner(s->plan, vertex);
     if (s->seen[position] & 2) return;
     s->seen[position] |= 2;
-    for (uint32_t i = at->starts[position]; i < at->starts[position + 1]; i++) {
+    for (uint32_t i = at->starts[position]; i < at->starts[position + 1]; ++i) {
         const size_t face = norma_core_face_of(at, at->corners[i]);
-        for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++)
+        for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c)
             want_position(s, norma_core_corner(mesh, c));
     }
 }
@@ -115,7 +115,7 @@ static int may_part(const norma_tangent_plan *plan, uint32_t place) {
     const core_corners_of_position *at = &plan->at_place;
     const uint32_t begin = at->starts[place], end = at->starts[place + 1];
     if (!plan->by_position) return end - begin > 1;
-    for (uint32_t i = begin + 1; i < end; i++)
+    for (uint32_t i = begin + 1; i < end; ++i)
         if (norma_core_corner(&plan->mesh, at->corners[i]) !=
             norma_core_corner(&plan->mesh, at->corners[begin]))
             return 1;
@@ -126,12 +126,12 @@ static void want_neighbours(region_search *s) {
     const core_mesh *mesh = &s->plan->mesh;
     const core_corners_of_position *at = &s->plan->at_place;
     const size_t count = s->place_count;
-    for (size_t p = 0; p < count && !is_large(s); p++) {
+    for (size_t p = 0; p < count && !is_large(s); ++p) {
         if (!may_part(s->plan, s->places[p])) continue;
-        for (uint32_t i = at->starts[s->places[p]]; i < at->starts[s->places[p] + 1]; i++) {
+        for (uint32_t i = at->starts[s->places[p]]; i < at->starts[s->places[p] + 1]; ++i) {
             const size_t face = norma_core_face_of(at, at->corners[i]);
             for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face);
-                 c++)
+                 ++c)
                 want(s, c);
         }
     }
@@ -141,12 +141,12 @@ static void find_faces(region_search *s) {
     const core_mesh *mesh = &s->plan->mesh;
     const core_corners_of_position *at = &s->plan->at_place;
     tangent_region *r = s->region;
-    for (size_t p = 0; p < s->place_count; p++)
-        for (uint32_t i = at->starts[s->places[p]]; i < at->starts[s->places[p] + 1]; i++) {
+    for (size_t p = 0; p < s->place_count; ++p)
+        for (uint32_t i = at->starts[s->places[p]]; i < at->starts[s->places[p] + 1]; ++i) {
             const size_t face = norma_core_face_of(at, at->corners[i]);
             if (r->near[face]) continue;
             r->near[face] = 1;
-            r->face_count++;
+            ++r->face_count;
             r->corner_count += norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
         }
 }
@@ -156,7 +156,7 @@ static void search_region(region_search *s, const uint32_t *moved, size_t moved_
     memset(s->seen, 0, plan->mesh.positions.count);
     memset(s->region->wanted, 0, plan->key_count);
     memset(s->region->near, 0, plan->mesh.face_count);
-    for (size_t i = 0; i < moved_count && !is_large(s); i++) want_around(s, moved[i]);
+    for (size_t i = 0; i < moved_count && !is_large(s); ++i) want_around(s, moved[i]);
     want_neighbours(s);
     if (!is_large(s)) find_faces(s);
     s->region->is_large = is_large(s) || s->region->corner_count > plan->mesh.corner_count / 2;
@@ -210,11 +210,11 @@ typedef struct tangent_part {
 static void list_part_corners(tangent_part *p, const tangent_region *region) {
     const core_mesh *mesh = &p->plan->mesh;
     uint32_t corner = 0;
-    for (size_t f = 0, number = 0; number < p->face_count; f++) {
+    for (size_t f = 0, number = 0; number < p->face_count; ++f) {
         if (!region->near[f]) continue;
         if (p->face_starts) p->face_starts[number] = corner;
-        number++;
-        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+        ++number;
+        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c)
             p->corners[corner++] = (uint32_t)c;
     }
     if (p->face_starts) p->face_starts[p->face_count] = corner;
@@ -223,13 +223,13 @@ static void list_part_corners(tangent_part *p, const tangent_region *region) {
 /* Keys get numbers of their own; one vertex stays one, even if it is not a number. */
 static int read_keys(tangent_part *p) {
     uint32_t number = 0;
-    for (size_t i = 0; i < p->corner_count; i++)
+    for (size_t i = 0; i < p->corner_count; ++i)
         p->by_key[i] =
             (uint64_t)norma_core_tangent_key(p->whole, p->corners[i]) << 32 | (uint32_t)i;
     norma_core_sort_numbers(p->by_key, p->corner_count);
-    for (size_t i = 0; i < p->corner_count; i++) {
+    for (size_t i = 0; i < p->corner_count; ++i) {
         const uint32_t key = (uint32_t)(p->by_key[i] >> 32);
-        if (i && key != p->by_key[i - 1] >> 32) number++;
+        if (i && key != p->by_key[i - 1] >> 32) ++number;
         p->keys[(uint32_t)p->by_key[i]] = number;
         if ((!i || key != p->by_key[i - 1] >> 32) &&
             !norma_core_tangent_read_key(p->whole, key, &p->mesh.vertices[number],
@@ -260,7 +260,7 @@ static norma_result compute_region_part(tangent_part *p) {
 
 static void write_wanted(const tangent_part *p, const tangent_region *region,
     const tangent_output *output, core_tally *tally) {
-    for (size_t i = 0; i < p->corner_count; i++) {
+    for (size_t i = 0; i < p->corner_count; ++i) {
         const uint32_t corner = p->corners[i];
         written_tangent out = {.reason = p->reasons[i]};
         if (!region->wanted[tangent_place(p->plan, corner)]) continue;
@@ -359,9 +359,9 @@ static norma_result update_region(const norma_tangent_plan *plan, tangent_mesh *
 /* Also of the corners that an update of some vertices does not read. */
 static norma_result check_moved_indices(const norma_tangent_plan *plan,
     const norma_attribute *normals, const uint32_t *moved, size_t moved_count) {
-    for (size_t i = 0; i < moved_count; i++)
+    for (size_t i = 0; i < moved_count; ++i)
         if (moved[i] >= plan->mesh.positions.count) return NORMA_ERROR_INDEX;
-    for (size_t c = 0; c < plan->mesh.corner_count && normals->corners; c++)
+    for (size_t c = 0; c < plan->mesh.corner_count && normals->corners; ++c)
         if (normals->corners[c] >= normals->count) return NORMA_ERROR_INDEX;
     return NORMA_OK;
 }
@@ -436,7 +436,7 @@ void norma_tangent_plan_destroy(norma_tangent_plan *plan) {
     core_call memory = plan->memory;
     release_sorted(&memory, &plan->at_place);
     release_sorted(&memory, &plan->at_position);
-    for (size_t i = 0; i < plan->store_count; i++)
+    for (size_t i = 0; i < plan->store_count; ++i)
         norma_core_release(
             &memory, plan->stores[i].memory, plan->stores[i].count, plan->stores[i].size);
     norma_core_release(&memory, plan, 1, sizeof *plan);
@@ -457,7 +457,7 @@ static norma_result keep_topology(norma_tangent_plan *plan, const tangent_mesh *
         plan->mesh.corners = corners;
         plan->mesh.corner_size = sizeof *corners;
     }
-    for (size_t f = 0; f < mesh->face_count; f++) {
+    for (size_t f = 0; f < mesh->face_count; ++f) {
         const size_t count = norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f);
         if (count > plan->most_corners) plan->most_corners = count;
     }
@@ -477,7 +477,7 @@ static norma_result keep_plan_texcoords(norma_tangent_plan *plan, const tangent_
     tangent_vertex *places = norma_core_allocate(m->call, count, sizeof *places);
     uint32_t *place = norma_core_allocate(m->call, count, sizeof *place);
     norma_result result = plan->texcoords && places && place ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t key = 0; result == NORMA_OK && key < count; key++) {
+    for (size_t key = 0; result == NORMA_OK && key < count; ++key) {
         places[key] = (tangent_vertex){.position = {0}};
         memcpy(places[key].texcoord, m->vertices[key].texcoord, sizeof places->texcoord);
         memcpy(plan->texcoords[key], m->vertices[key].texcoord, sizeof *plan->texcoords);

@@ -74,7 +74,7 @@ CORE_INLINE void read_attribute(
     if (a->format == NORMA_FORMAT_FLOAT)
         memcpy(out, at, numbers * sizeof *out);
     else
-        for (size_t i = 0; i < numbers; i++)
+        for (size_t i = 0; i < numbers; ++i)
             out[i] = read_attribute_number(a->format, at + i * size);
 }
 
@@ -85,7 +85,7 @@ static void read_float_position(const norma_vec3_view *view, size_t index, float
     }
     double wide[3];
     norma_view_read(view, index, wide);
-    for (int k = 0; k < 3; k++) out[k] = (float)wide[k];
+    for (int k = 0; k < 3; ++k) out[k] = (float)wide[k];
 }
 
 /* ---- vertices, a slice of the keys in each task */
@@ -114,7 +114,7 @@ int norma_core_tangent_read_key(
     if (exact) {
         norma_view_read(&m->mesh.positions, position, exact);
         const float stand_in = norma_core_finite(exact) ? 0 : NAN;
-        for (int k = 0; k < 3; k++) v->position[k] = stand_in;
+        for (int k = 0; k < 3; ++k) v->position[k] = stand_in;
     } else {
         read_float_position(&m->mesh.positions, position, v->position);
     }
@@ -128,7 +128,7 @@ static void read_task(void *context, size_t task) {
     const tangent_mesh *m = r->mesh;
     const size_t begin = task * KEYS_IN_TASK,
                  end = m->key_count - begin < KEYS_IN_TASK ? m->key_count : begin + KEYS_IN_TASK;
-    for (size_t key = begin; key < end; key++)
+    for (size_t key = begin; key < end; ++key)
         if (!norma_core_tangent_read_key(
                 m, key, &m->vertices[key], m->exact ? m->exact[key] : NULL)) {
             atomic_store_explicit(&r->wrong, 1, memory_order_relaxed);
@@ -156,7 +156,7 @@ typedef struct vertices_to_weld {
 
 static uint64_t hash_exact(const double position[3]) {
     uint64_t sum = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double number = position[k] + 0.0;
         uint64_t bits;
         memcpy(&bits, &number, sizeof bits);
@@ -168,18 +168,18 @@ static uint64_t hash_exact(const double position[3]) {
 static void hash_vertices(const void *context, size_t first, size_t count, uint64_t *hashes) {
     const vertices_to_weld *w = context;
     const tangent_vertex *vertices = w->vertices + first;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         float numbers[8];
         uint32_t bits[8];
         uint64_t sum = 0;
         int nan = 0;
         memcpy(numbers, &vertices[i], sizeof numbers);
-        for (int k = 0; k < 8; k++) {
+        for (int k = 0; k < 8; ++k) {
             nan |= numbers[k] != numbers[k];
             numbers[k] += 0.0F; /* the same bits for -0 and 0 */
         }
         memcpy(bits, numbers, sizeof bits);
-        for (int k = 0; k < 4; k++) sum += (bits[2 * k] | (uint64_t)bits[2 * k + 1] << 32) * ODD[k];
+        for (int k = 0; k < 4; ++k) sum += (bits[2 * k] | (uint64_t)bits[2 * k + 1] << 32) * ODD[k];
         if (w->exact) sum += hash_exact(w->exact[first + i]);
         hashes[i] = nan ? 0 : norma_core_weld_mix(sum);
     }
@@ -191,8 +191,8 @@ static int same_vertex(const void *context, uint32_t one, uint32_t other) {
     int same = 1;
     memcpy(a, &w->vertices[one], sizeof a);
     memcpy(b, &w->vertices[other], sizeof b);
-    for (int k = 0; k < 8; k++) same &= a[k] == b[k];
-    for (int k = 0; k < 3 && w->exact; k++) same &= w->exact[one][k] == w->exact[other][k];
+    for (int k = 0; k < 8; ++k) same &= a[k] == b[k];
+    for (int k = 0; k < 3 && w->exact; ++k) same &= w->exact[one][k] == w->exact[other][k];
     return same;
 }
 
@@ -268,11 +268,11 @@ static void perpendicular_to_normal(const float normal[3], float out[3]) {
     double n[3] = {0}, v[3], unit[3];
     int axis = 0;
     if (norma_core_finite(given)) norma_core_normalise(given, n);
-    for (int k = 1; k < 3; k++)
+    for (int k = 1; k < 3; ++k)
         if (fabs(n[k]) < fabs(n[axis])) axis = k;
-    for (int k = 0; k < 3; k++) v[k] = (k == axis ? 1.0 : 0.0) - n[axis] * n[k];
+    for (int k = 0; k < 3; ++k) v[k] = (k == axis ? 1.0 : 0.0) - n[axis] * n[k];
     norma_core_normalise(v, unit);
-    for (int k = 0; k < 3; k++) out[k] = (float)unit[k] + 0.0F;
+    for (int k = 0; k < 3; ++k) out[k] = (float)unit[k] + 0.0F;
 }
 
 written_tangent norma_core_tangent_to_write(

@@ -69,15 +69,15 @@ enum { TANGENT_FACES_AHEAD = 12 };
 static inline void norma_core_tangent_await(const tangent_mesh *m, size_t face) {
     if (face >= m->mesh.face_count) return;
     const size_t end = norma_core_face_end(&m->mesh, face);
-    for (size_t c = norma_core_face_begin(&m->mesh, face); c < end; c++)
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < end; ++c)
         TANGENT_PREFETCH(&m->vertices[norma_core_tangent_key(m, c)]);
 }
 
 static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
     float zero = 0; /* NaN minus itself is NaN, and so is infinity minus itself */
-    for (int k = 0; k < 3; k++) zero += v->position[k] - v->position[k];
-    for (int k = 0; k < 3; k++) zero += v->normal[k] - v->normal[k];
-    for (int k = 0; k < 2; k++) zero += v->texcoord[k] - v->texcoord[k];
+    for (int k = 0; k < 3; ++k) zero += v->position[k] - v->position[k];
+    for (int k = 0; k < 3; ++k) zero += v->normal[k] - v->normal[k];
+    for (int k = 0; k < 2; ++k) zero += v->texcoord[k] - v->texcoord[k];
     return zero == 0;
 }
 

@@ -14,7 +14,7 @@ typedef struct closest_points {
 } closest_points;
 
 static int is_near_enough(const double scaled[3]) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         if (!(fabs(scaled[k]) <= MOST_SCALED)) return 0;
     return 1;
 }
@@ -24,13 +24,13 @@ static void find_closest(const closest_points *c, size_t index, size_t *nearest)
     norma_closest found = none;
     double point[3], weights[2];
     norma_view_read(&c->points, index, point);
-    for (int k = 0; k < 3; k++) point[k] *= c->mesh.scale;
+    for (int k = 0; k < 3; ++k) point[k] *= c->mesh.scale;
     if (c->tree.count && is_near_enough(point)) {
         norma_core_triangle_tree_nearest(&c->tree, point, nearest);
         const core_triangle *t = &c->tree.triangles[*nearest];
         found.distance = sqrt(norma_core_nearest_in_triangle(t, point, weights)) / c->mesh.scale;
         found.face = t->face;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             found.corners[k] = t->corners[k];
             found.point[k] =
                 (t->corner[k] + weights[0] * t->u[k] + weights[1] * t->v[k]) / c->mesh.scale;
@@ -45,7 +45,7 @@ static void find_closest_points(void *context, size_t chunk) {
     const closest_points *c = context;
     const size_t first = chunk * CLOSEST_AT_ONCE, left = c->points.count - first;
     size_t nearest = 0;
-    for (size_t i = 0; i < (left < CLOSEST_AT_ONCE ? left : CLOSEST_AT_ONCE); i++)
+    for (size_t i = 0; i < (left < CLOSEST_AT_ONCE ? left : CLOSEST_AT_ONCE); ++i)
         find_closest(c, first + i, &nearest);
 }
 

@@ -49,7 +49,7 @@ static norma_result check_normals(const compared *c) {
     if (!normals->count || !normals->data || !norma_format_size(normals->format))
         return NORMA_ERROR_ARGUMENT;
     if (norma_view_overflows(normals)) return NORMA_ERROR_OVERFLOW;
-    for (size_t i = 0; i < c->mesh.corner_count; i++) {
+    for (size_t i = 0; i < c->mesh.corner_count; ++i) {
         const uint32_t index = normal_of_corner(c, i);
         if (index >= normals->count && (index != UINT32_MAX || !c->given->corner_normals))
             return NORMA_ERROR_INDEX;
@@ -77,10 +77,10 @@ static void read_in_one_scale(comparing *c) {
 static double size_of_mesh(const core_mesh *mesh) {
     double p[3], sides[3], low[3] = {INFINITY, INFINITY, INFINITY},
                            high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < mesh->corner_count; i++) {
+    for (size_t i = 0; i < mesh->corner_count; ++i) {
         norma_core_position(mesh, norma_core_corner(mesh, i), p);
         if (!norma_core_finite(p)) continue;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             low[k] = p[k] < low[k] ? p[k] : low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
@@ -119,11 +119,11 @@ static void interpolate_base(const comparing *c, const core_triangle *t, const d
     const double direction[3], double unit[3]) {
     const double parts[3] = {1 - weights[0] - weights[1], weights[0], weights[1]};
     double sum[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         double normal[3];
         if (parts[i] == 0) continue;
         const int has = read_unit_normal(&c->base, t->corners[i], normal);
-        for (int k = 0; k < 3; k++) sum[k] += parts[i] * (has ? normal : direction)[k];
+        for (int k = 0; k < 3; ++k) sum[k] += parts[i] * (has ? normal : direction)[k];
     }
     if (norma_core_cancels(sum, 1))
         memcpy(unit, direction, 3 * sizeof *unit);
@@ -140,14 +140,14 @@ static void measure_compared_faces(void *context, size_t chunk) {
         core_face faces[CORE_FACES_AT_ONCE];
         count = end - f < CORE_FACES_AT_ONCE ? end - f : CORE_FACES_AT_ONCE;
         norma_core_faces_geometry(&c->call, mesh, f, count, faces);
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             const size_t corners =
                 norma_core_face_end(mesh, f + i) - norma_core_face_begin(mesh, f + i);
             compared_face *to = &c->faces[f + i];
             *to = (compared_face){.area_of_corner = 0};
             if (!(faces[i].flags & CORE_FACE_DIRECTED)) continue;
             to->area_of_corner = faces[i].twice_area / 2 / (double)corners * c->unit * c->unit;
-            for (int k = 0; k < 3; k++) to->direction[k] = (float)faces[i].normal[k];
+            for (int k = 0; k < 3; ++k) to->direction[k] = (float)faces[i].normal[k];
         }
     }
 }
@@ -158,7 +158,7 @@ static void write_compared(const comparing *c, size_t corner, double area, doubl
         .angle_rad = (float)angle,
         .distance = (float)(distance < 0 ? distance : fmin(distance * c->unit, FLT_MAX)),
         .face = face};
-    for (int k = 0; k < 3 && normal; k++) sample.normal[k] = (float)normal[k] + 0.0F;
+    for (int k = 0; k < 3 && normal; ++k) sample.normal[k] = (float)normal[k] + 0.0F;
     c->samples[corner] = sample;
 }
 
@@ -169,7 +169,7 @@ static int has_same_corners(const comparing *c, size_t face) {
     const core_mesh *mesh = &c->base.mesh;
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double a[3], b[3], d[3], shortest = INFINITY, furthest = 0;
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         norma_core_position(mesh, norma_core_corner(mesh, i), a);
         norma_core_position(
             mesh, norma_core_corner(mesh, norma_core_next_in_face(mesh, face, i)), b);
@@ -187,7 +187,7 @@ static int has_same_faces(const comparing *c) {
     const core_mesh *base = &c->base.mesh, *other = &c->other.mesh;
     if (base->face_count != other->face_count || base->corner_count != other->corner_count)
         return 0;
-    for (size_t f = 0; f < base->face_count; f++)
+    for (size_t f = 0; f < base->face_count; ++f)
         if (norma_core_face_end(base, f) != norma_core_face_end(other, f) ||
             !has_same_corners(c, f))
             return 0;
@@ -199,7 +199,7 @@ static void compare_same_face(const comparing *c, size_t face) {
     core_face geometry;
     norma_core_face_geometry(mesh, face, &geometry);
     const int directed = (geometry.flags & CORE_FACE_DIRECTED) != 0;
-    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); i++) {
+    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); ++i) {
         double from[3], to[3], apart[3], normal[3], other[3];
         norma_core_position(mesh, norma_core_corner(mesh, i), from);
         norma_core_position(&c->other.mesh, norma_core_corner(&c->other.mesh, i), to);
@@ -216,7 +216,7 @@ static void compare_same_face(const comparing *c, size_t face) {
 static void compare_same_faces(void *context, size_t chunk) {
     const comparing *c = context;
     const size_t first = chunk * COMPARED_AT_ONCE, left = c->other.mesh.face_count - first;
-    for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE); i++)
+    for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE); ++i)
         compare_same_face(c, first + i);
 }
 
@@ -259,7 +259,7 @@ static size_t find_near(
     *distance = sqrt(
         norma_core_triangle_tree_around(&c->tree, point, c->slack, &at->nearest, numbers, &found));
     at->count = found < CORE_MOST_NEAR ? found : CORE_MOST_NEAR;
-    for (size_t i = 0; i < at->count; i++) begin_near(c, numbers[i], &at->near[i]);
+    for (size_t i = 0; i < at->count; ++i) begin_near(c, numbers[i], &at->near[i]);
     return found;
 }
 
@@ -270,7 +270,7 @@ static int find_own_side(const comparing *c, size_t face, const double point[3],
     const double facing[3], near_triangle *own) {
     const core_mesh *mesh = &c->other.mesh;
     double a[3], b[3], edge[3], shortest = INFINITY;
-    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); i++) {
+    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); ++i) {
         norma_core_position(mesh, norma_core_corner(mesh, i), a);
         norma_core_position(
             mesh, norma_core_corner(mesh, norma_core_next_in_face(mesh, face, i)), b);
@@ -300,7 +300,7 @@ static void read_own_normal(const comparing *c, size_t corner, near_point *at) {
     if (number == at->own_number) return;
     at->own_number = number;
     at->has_own = read_unit_normal(&c->other, corner, at->own);
-    for (size_t i = 0; i < at->count; i++) at->near[i].angle = -1;
+    for (size_t i = 0; i < at->count; ++i) at->near[i].angle = -1;
 }
 
 /* Of triangles equally near, those that face as the corner's own face does; of these, the one whose
@@ -310,15 +310,15 @@ static void compare_with_near(const comparing *c, size_t corner, size_t face, ne
     near_triangle own_side, *near = at->near, *found = NULL;
     size_t count = at->count;
     read_own_normal(c, corner, at);
-    for (int k = 0; k < 3; k++) facing[k] = (double)c->faces[face].direction[k];
-    for (size_t i = 0; i < count; i++)
+    for (int k = 0; k < 3; ++k) facing[k] = (double)c->faces[face].direction[k];
+    for (size_t i = 0; i < count; ++i)
         best = fmax(best, scores[i] = norma_core_dot(near[i].direction, facing));
     if (count && best < CORE_FACES_ALIKE && find_own_side(c, face, at->point, facing, &own_side)) {
         near = &own_side;
         count = 1;
         best = scores[0] = 1;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (scores[i] < best - JUST_ALIKE) continue;
         const double angle = angle_to_near(c, at, &near[i]);
         if (!(angle < least)) continue;
@@ -335,10 +335,10 @@ static void step_into_face(
     const core_mesh *mesh, size_t face, const double corner[3], double point[3]) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     memcpy(point, corner, 3 * sizeof *point);
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end; ++i) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, i), p);
-        for (int k = 0; k < 3; k++) point[k] += (p[k] - corner[k]) / (double)(end - begin) / 4;
+        for (int k = 0; k < 3; ++k) point[k] += (p[k] - corner[k]) / (double)(end - begin) / 4;
     }
 }
 
@@ -351,7 +351,7 @@ static void compare_nearest_point(const comparing *c, uint32_t position, near_po
     at->distance = -1;
     const int crowded =
         begin < end && measured && find_near(c, at->point, at, &at->distance) > CORE_MOST_NEAR;
-    for (uint32_t i = begin; i < end; i++) {
+    for (uint32_t i = begin; i < end; ++i) {
         const uint32_t corner = c->corners_of.corners[i];
         const size_t face = norma_core_face_of(&c->corners_of, corner);
         if (!finite || c->faces[face].area_of_corner == 0) {
@@ -379,12 +379,12 @@ static uint64_t spread_bits(uint64_t bits) {
 static void order_points(const comparing *c) {
     const core_box_node *all = c->tree.boxes.nodes;
     double side = 0;
-    for (int k = 0; k < 3; k++) side = fmax(side, all->high[k] - all->low[k]);
-    for (size_t i = 0; i < c->corners_of.position_count; i++) {
+    for (int k = 0; k < 3; ++k) side = fmax(side, all->high[k] - all->low[k]);
+    for (size_t i = 0; i < c->corners_of.position_count; ++i) {
         double point[3];
         uint64_t key = 0;
         norma_core_position(&c->other.mesh, (uint32_t)i, point);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const double at = (point[k] - all->low[k]) / side * 1024;
             key |= spread_bits(at > 0 ? (uint64_t)(at < 1023 ? at : 1023) : 0) << k;
         }
@@ -403,7 +403,7 @@ static void compare_nearest_points(void *context, size_t chunk) {
     const size_t first = chunk * COMPARED_AT_ONCE, left = c->corners_of.position_count - first;
     near_point at = {.own_number = UINT32_MAX};
     for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE) && !is_endless(c);
-         i++)
+         ++i)
         compare_nearest_point(c, (uint32_t)c->order[first + i], &at);
 }
 
@@ -517,7 +517,7 @@ static uint32_t bits_of_float(float value) {
 static void sum_samples(const norma_compare_sample *samples, size_t count, double max_angle_rad,
     norma_comparison *sum, sampled all[SAMPLED]) {
     double above = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const norma_compare_sample *s = &samples[i];
         const float angle = sampled_value(s, 0);
         if (!(s->area > 0)) continue;
@@ -526,7 +526,7 @@ static void sum_samples(const norma_compare_sample *samples, size_t count, doubl
         above += angle >= 0 && (double)angle <= max_angle_rad + 1e-6 ? 0 : s->area;
         if (angle >= 0 && (sum->worst == SIZE_MAX || angle > samples[sum->worst].angle_rad))
             sum->worst = i;
-        for (int which = 0; which < SAMPLED; which++) {
+        for (int which = 0; which < SAMPLED; ++which) {
             const float value = sampled_value(s, which);
             if (!(value >= 0)) continue;
             all[which].area += s->area;
@@ -539,12 +539,12 @@ static void sum_samples(const norma_compare_sample *samples, size_t count, doubl
 
 static void sum_within_bins(
     const norma_compare_sample *samples, size_t count, sampled all[SAMPLED]) {
-    for (size_t i = 0; i < count; i++)
-        for (int which = 0; which < SAMPLED; which++) {
+    for (size_t i = 0; i < count; ++i)
+        for (int which = 0; which < SAMPLED; ++which) {
             const float value = sampled_value(&samples[i], which);
             const uint32_t bits = bits_of_float(value), second = bits & 0xffff;
             if (!(samples[i].area > 0) || !(value >= 0)) continue;
-            for (int k = 0; k < PERCENTILES; k++) {
+            for (int k = 0; k < PERCENTILES; ++k) {
                 percentile *p = &all[which].percentiles[k];
                 if (bits >> 16 != p->first) continue;
                 p->bins[second] += samples[i].area;
@@ -573,7 +573,7 @@ static void sum_up(const norma_compare_sample *samples, size_t count, double max
     sampled all[SAMPLED] = {{.bins = bins}, {.bins = bins + AREA_BINS}};
     bins += SAMPLED * AREA_BINS;
     sum_samples(samples, count, max_angle_rad, sum, all);
-    for (int i = 0; i < SAMPLED * PERCENTILES; i++, bins += AREA_BINS) {
+    for (int i = 0; i < SAMPLED * PERCENTILES; ++i, bins += AREA_BINS) {
         sampled *s = &all[i / PERCENTILES];
         percentile *p = &s->percentiles[i % PERCENTILES];
         p->bins = bins;
@@ -581,7 +581,7 @@ static void sum_up(const norma_compare_sample *samples, size_t count, double max
             wanted_parts[i % PERCENTILES] * s->area, &p->passed);
     }
     sum_within_bins(samples, count, all);
-    for (int i = 0; i < SAMPLED * PERCENTILES; i++) {
+    for (int i = 0; i < SAMPLED * PERCENTILES; ++i) {
         sampled *s = &all[i / PERCENTILES];
         percentile *p = &s->percentiles[i % PERCENTILES];
         p->second =

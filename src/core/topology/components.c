@@ -59,7 +59,7 @@ static int joins_many(const search *s, size_t face, size_t corner) {
 static void visit_edges(search *s, core_component *component, uint32_t number, size_t face) {
     const core_topology *t = s->topology;
     for (size_t corner = norma_core_face_begin(&t->mesh, face);
-         corner < norma_core_face_end(&t->mesh, face); corner++) {
+         corner < norma_core_face_end(&t->mesh, face); ++corner) {
         const uint32_t partner = t->partners[corner];
         if (partner < CORE_EDGE_SPECIAL) {
             reach_partner(s, component, number, partner, face, 0);
@@ -84,7 +84,7 @@ static int face_has_edges(const core_topology *t, size_t face) {
 
 static norma_result find_all(search *s) {
     core_components *c = s->out;
-    for (size_t face = 0; face < c->face_count; face++) {
+    for (size_t face = 0; face < c->face_count; ++face) {
         if (c->of[face] != UINT32_MAX || !face_has_edges(s->topology, face)) continue;
         if (grow_components(s->topology->call, c) != NORMA_OK) return NORMA_ERROR_MEMORY;
         const uint32_t number = (uint32_t)c->count;
@@ -95,7 +95,7 @@ static norma_result find_all(search *s) {
         c->faces[s->found++] = (uint32_t)face;
         while (next < s->found) visit_edges(s, &component, number, c->faces[next++]);
         c->each[number] = component;
-        c->count++;
+        ++c->count;
         c->starts[c->count] = (uint32_t)s->found;
     }
     return norma_core_progress(s->topology->call, 1) ? NORMA_CANCELLED : NORMA_OK;
@@ -124,7 +124,7 @@ static int is_corner_balanced(const core_topology *t, const core_components *c, 
 }
 
 static void find_unbalanced(const core_topology *t, core_components *c) {
-    for (size_t corner = 0; corner < t->mesh.corner_count; corner++) {
+    for (size_t corner = 0; corner < t->mesh.corner_count; ++corner) {
         if (t->partners[corner] != CORE_EDGE_MANY) continue;
         core_component *component = &c->each[c->of[norma_core_topology_face(t, corner)]];
         if (!(component->flags & COMPONENT_UNBALANCED) && !is_corner_balanced(t, c, corner))
@@ -134,21 +134,21 @@ static void find_unbalanced(const core_topology *t, core_components *c) {
 
 /* The winding that fewer faces must give up is kept. */
 static void keep_majority(core_components *c) {
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         const size_t begin = c->starts[i], end = c->starts[i + 1];
         size_t reversed = 0;
-        for (size_t k = begin; k < end; k++) reversed += c->reverse[c->faces[k]];
+        for (size_t k = begin; k < end; ++k) reversed += c->reverse[c->faces[k]];
         const int one_sided = (c->each[i].flags & COMPONENT_ONE_SIDED) != 0,
                   other = 2 * reversed > end - begin;
         if (!one_sided && !other) continue;
-        for (size_t k = begin; k < end; k++)
+        for (size_t k = begin; k < end; ++k)
             c->reverse[c->faces[k]] = (uint8_t)(one_sided ? 0 : !c->reverse[c->faces[k]]);
     }
 }
 
 static int has_many(const core_topology *t) {
     size_t corner = 0;
-    while (corner < t->mesh.corner_count && t->partners[corner] != CORE_EDGE_MANY) corner++;
+    while (corner < t->mesh.corner_count && t->partners[corner] != CORE_EDGE_MANY) ++corner;
     return corner < t->mesh.corner_count;
 }
 
@@ -201,7 +201,7 @@ void norma_core_release_components(const core_call *call, core_components *c) {
 /* ---- boxes and volumes: of parts in blocks of faces, whose sums are added in order */
 
 static void widen_component(core_component *component, const double p[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         component->low[k] = p[k] < component->low[k] ? p[k] : component->low[k];
         component->high[k] = p[k] > component->high[k] ? p[k] : component->high[k];
     }
@@ -236,7 +236,7 @@ static void add_polygon_volume(
     double first[3], a[3], b[3], cross[3];
     read_corner(t, begin, origin, &sum->box, first);
     read_corner(t, begin + 1, origin, &sum->box, a);
-    for (size_t corner = begin + 2; corner < end; corner++) {
+    for (size_t corner = begin + 2; corner < end; ++corner) {
         read_corner(t, corner, origin, &sum->box, b);
         norma_core_cross(a, b, cross);
         const double term = norma_core_dot(first, cross);
@@ -255,12 +255,12 @@ static double greatest(double a, double b) { return a > b ? a : b; }
 static void add_triangle_volume(
     const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum) {
     double p[3][3], cross[3];
-    for (size_t k = 0; k < 3; k++) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
-    for (int k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; ++k) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
+    for (int k = 0; k < 3; ++k) {
         sum->box.low[k] = lower_of(lower_of(p[0][k], p[1][k]), lower_of(p[2][k], sum->box.low[k]));
         sum->box.high[k] =
             greatest(greatest(p[0][k], p[1][k]), greatest(p[2][k], sum->box.high[k]));
-        for (int i = 0; i < 3; i++) p[i][k] -= origin[k];
+        for (int i = 0; i < 3; ++i) p[i][k] -= origin[k];
     }
     norma_core_cross(p[1], p[2], cross);
     const double term = norma_core_dot(p[0], cross);
@@ -278,7 +278,7 @@ static void measure_faces_of_block(const measuring *m, size_t part, size_t block
         .box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}}};
     norma_core_position(&m->topology->mesh,
         m->topology->corners[norma_core_face_begin(&m->topology->mesh, c->faces[first])], origin);
-    for (size_t i = first + begin; i < first + end; i++) {
+    for (size_t i = first + begin; i < first + end; ++i) {
         const int reversed = c->reverse && c->reverse[c->faces[i]];
         if (m->topology->polygons)
             add_polygon_volume(m->topology, c->faces[i], origin, reversed, sum);
@@ -291,7 +291,7 @@ static void measure_faces_of_block(const measuring *m, size_t part, size_t block
 static const double VOLUME_ROUNDING = 1e-12;
 
 static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         component->low[k] = sum->box.low[k];
         component->high[k] = sum->box.high[k];
     }
@@ -334,7 +334,7 @@ static norma_result measure_large(measuring *m, size_t part) {
     m->sums = norma_core_allocate(call, blocks, sizeof *m->sums);
     if (!m->sums) return NORMA_ERROR_MEMORY;
     const norma_result result = norma_core_parallel(call, blocks, measure_block_of_large, m);
-    for (size_t i = 1; i < blocks && result == NORMA_OK; i++) add_sum(&m->sums[0], &m->sums[i]);
+    for (size_t i = 1; i < blocks && result == NORMA_OK; ++i) add_sum(&m->sums[0], &m->sums[i]);
     if (result == NORMA_OK) finish_part(&m->components->each[part], &m->sums[0], m->not_closed);
     norma_core_release(call, m->sums, blocks, sizeof *m->sums);
     return result;
@@ -344,7 +344,7 @@ norma_result norma_core_measure_components(
     const core_topology *topology, core_components *components, uint8_t not_closed) {
     measuring m = {.topology = topology, .components = components, .not_closed = not_closed};
     norma_result result = norma_core_parallel(topology->call, components->count, measure_small, &m);
-    for (size_t i = 0; i < components->count && result == NORMA_OK; i++)
+    for (size_t i = 0; i < components->count && result == NORMA_OK; ++i)
         if (blocks_of_part(components, i) > 1) result = measure_large(&m, i);
     return result;
 }

@@ -11,14 +11,14 @@ static void core_box_tree_stab(const core_box_tree *tree, const double point[3],
     while (depth) {
         const core_box_node *node = &tree->nodes[stack[--depth]];
         int outside = 0;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             outside |= !(node->low[k] <= point[k] && node->high[k] >= point[k]);
         if (outside) continue;
         if (node->right) {
             stack[depth++] = node->left;
             stack[depth++] = node->right;
         }
-        for (uint32_t i = 0; !node->right && i < node->count; i++)
+        for (uint32_t i = 0; !node->right && i < node->count; ++i)
             visit(context, tree->numbers[node->begin + i]);
     }
 }
@@ -27,11 +27,11 @@ static void core_box_tree_stab(const core_box_tree *tree, const double point[3],
 
 static void middle_of(const core_mesh *mesh, size_t face, double middle[3]) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    for (int k = 0; k < 3; k++) middle[k] = 0;
-    for (size_t c = begin; c < end; c++) {
+    for (int k = 0; k < 3; ++k) middle[k] = 0;
+    for (size_t c = begin; c < end; ++c) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
-        for (int k = 0; k < 3; k++) middle[k] += p[k] / (double)(end - begin);
+        for (int k = 0; k < 3; ++k) middle[k] += p[k] / (double)(end - begin);
     }
 }
 
@@ -39,13 +39,13 @@ static void middle_of(const core_mesh *mesh, size_t face, double middle[3]) {
 static double area_of_face(const core_mesh *mesh, size_t face, double area[3]) {
     core_face geometry;
     norma_core_face_geometry(mesh, face, &geometry);
-    for (int k = 0; k < 3; k++) area[k] = geometry.normal[k] * geometry.twice_area / 2;
+    for (int k = 0; k < 3; ++k) area[k] = geometry.normal[k] * geometry.twice_area / 2;
     return geometry.twice_area / 2;
 }
 
 static double reach_from(const core_mesh *mesh, size_t face, const double centre[3]) {
     double most = 0;
-    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         double p[3], d[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         norma_core_subtract(p, centre, d);
@@ -78,28 +78,28 @@ typedef struct dipole_fill {
 static void fill_leaf(const dipole_fill *f, core_dipole *node) {
     const core_dipoles *d = f->dipoles;
     const core_mesh *mesh = &f->topology->mesh;
-    for (uint32_t i = node->begin; i < node->begin + node->count; i++) {
+    for (uint32_t i = node->begin; i < node->begin + node->count; ++i) {
         double area[3];
         const uint32_t face = d->faces[i] = f->faces[f->items[i].number];
         const double size = area_of_face(mesh, face, area);
         const int turned = f->reverse && f->reverse[face];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             node->area[k] += turned ? -area[k] : area[k];
             node->centre[k] += size * f->items[i].centre[k];
         }
         node->weight += size;
     }
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         node->centre[k] =
             node->weight > 0 ? node->centre[k] / node->weight : f->items[node->begin].centre[k];
-    for (uint32_t i = node->begin; i < node->begin + node->count; i++)
+    for (uint32_t i = node->begin; i < node->begin + node->count; ++i)
         node->radius = fmax(node->radius, reach_from(mesh, d->faces[i], node->centre));
 }
 
 static void fill_from_children(const core_dipoles *d, core_dipole *node) {
     const core_dipole *half[2] = {&d->nodes[node->left], &d->nodes[node->right]};
     node->weight = half[0]->weight + half[1]->weight;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         node->area[k] = half[0]->area[k] + half[1]->area[k];
         node->centre[k] =
             node->weight > 0
@@ -107,7 +107,7 @@ static void fill_from_children(const core_dipoles *d, core_dipole *node) {
                       node->weight
                 : half[0]->centre[k];
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         double away[3];
         norma_core_subtract(half[i]->centre, node->centre, away);
         node->radius = fmax(node->radius, half[i]->radius + sqrt(norma_core_dot(away, away)));
@@ -141,7 +141,7 @@ static norma_result core_dipoles_build(const core_topology *t, const uint8_t *re
     d->faces = norma_core_allocate(t->call, count, sizeof *d->faces);
     d->nodes = norma_core_allocate(t->call, norma_core_tree_nodes(count), sizeof *d->nodes);
     norma_result result = items && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; result == NORMA_OK && i < count; i++) {
+    for (size_t i = 0; result == NORMA_OK && i < count; ++i) {
         items[i].number = (uint32_t)i;
         middle_of(&t->mesh, faces[i], items[i].centre);
     }
@@ -179,7 +179,7 @@ static double extent(const core_component *c) {
 static int may_hold(const nesting *n, uint32_t outer, uint32_t inner) {
     const core_component *o = &n->components->each[outer], *i = &n->components->each[inner];
     if (outer == inner) return 0;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         if (!(o->low[k] <= i->low[k] && o->high[k] >= i->high[k])) return 0;
     return extent(o) > extent(i) || (extent(o) == extent(i) && outer < inner);
 }
@@ -208,7 +208,7 @@ static double face_angle(const core_mesh *mesh, size_t face, const double point[
     norma_core_subtract(p, point, first);
     norma_core_position(mesh, norma_core_corner(mesh, begin + 1), p);
     norma_core_subtract(p, point, a);
-    for (size_t c = begin + 2; c < end; c++) {
+    for (size_t c = begin + 2; c < end; ++c) {
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         norma_core_subtract(p, point, b);
         solid_angle(first, a, b, &sum);
@@ -220,7 +220,7 @@ static double face_angle(const core_mesh *mesh, size_t face, const double point[
 static double winding_by_faces(
     const nesting *n, const uint32_t *faces, size_t count, const double point[3]) {
     double sum = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const double angle = face_angle(&n->topology->mesh, faces[i], point);
         sum += n->components->reverse && n->components->reverse[faces[i]] ? -angle : angle;
     }
@@ -254,7 +254,7 @@ static double winding_of(const nesting *n, uint32_t outer, const double point[3]
     static const struct { double opening, margin; } tries[] = {{2, .2}, {4, .06}, {8, .02}};
     const core_components *c = n->components;
     const core_dipoles *d = &n->dipoles[outer];
-    for (size_t i = 0; d->nodes && i < sizeof tries / sizeof *tries; i++) {
+    for (size_t i = 0; d->nodes && i < sizeof tries / sizeof *tries; ++i) {
         const double w = winding_by_dipoles(n, d, point, tries[i].opening);
         if (fabs(fabs(w) - limit) > tries[i].margin) return w;
     }
@@ -284,7 +284,7 @@ typedef struct ask {
 
 static void count_asked(void *context, uint32_t outer) {
     const ask *a = context;
-    if (may_hold(a->n, outer, a->inner)) a->n->asked[outer]++;
+    if (may_hold(a->n, outer, a->inner)) ++a->n->asked[outer];
 }
 
 static void try_parent(void *context, uint32_t outer) {
@@ -359,9 +359,9 @@ static norma_result find_whether_it_reaches(const nesting *n, uint32_t number) {
         const norma_result result = build_dipoles(n, inner->parent);
         if (result) return result;
     }
-    for (size_t i = c->starts[number]; i < end; i++)
+    for (size_t i = c->starts[number]; i < end; ++i)
         for (size_t k = norma_core_face_begin(&t->mesh, c->faces[i]);
-             k < norma_core_face_end(&t->mesh, c->faces[i]); k++) {
+             k < norma_core_face_end(&t->mesh, c->faces[i]); ++k) {
             double point[3];
             if (passed++ % stride) continue;
             norma_core_position(&t->mesh, t->corners[k], point);
@@ -388,11 +388,11 @@ static norma_result judge_components(const nesting *n) {
     ranked *order = norma_core_allocate(n->topology->call, c->count, sizeof *order);
     size_t count = 0;
     if (!order) return NORMA_ERROR_MEMORY;
-    for (uint32_t i = 0; i < c->count; i++)
+    for (uint32_t i = 0; i < c->count; ++i)
         if (is_judged(n, i)) order[count++] = (ranked){extent(&c->each[i]), i};
     norma_core_sort(order, count, sizeof *order, is_larger);
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < count && !result; i++) result = judge_component(n, order[i].number);
+    for (size_t i = 0; i < count && !result; ++i) result = judge_component(n, order[i].number);
     norma_core_release(n->topology->call, order, c->count, sizeof *order);
     return result;
 }
@@ -401,7 +401,7 @@ static norma_result judge_components(const nesting *n) {
 
 static norma_result prepare_dipoles(nesting *n) {
     const core_components *c = n->components;
-    for (uint32_t i = 0; i < c->count; i++) {
+    for (uint32_t i = 0; i < c->count; ++i) {
         const size_t faces = c->starts[i + 1] - c->starts[i];
         if (faces < FACES_WORTH_DIPOLES || faces * n->asked[i] < WORK_WORTH_DIPOLES) continue;
         const norma_result result = build_dipoles(n, i);
@@ -412,7 +412,7 @@ static norma_result prepare_dipoles(nesting *n) {
 
 static norma_result find_parents(nesting *n) {
     const core_components *c = n->components;
-    for (uint32_t i = 0; i < c->count; i++)
+    for (uint32_t i = 0; i < c->count; ++i)
         if (is_judged(n, i))
             core_box_tree_stab(&n->tree, c->each[i].low, count_asked, &(ask){n, i, NULL, 0});
     norma_result result = prepare_dipoles(n);
@@ -446,7 +446,7 @@ norma_result norma_core_judge_nesting(
             norma_core_box_tree_build(topology->call, count, box_of_component, components, &n.tree);
     }
     if (result == NORMA_OK) result = find_parents(&n);
-    for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++)
+    for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; ++i)
         core_dipoles_release(call, &n.dipoles[i]);
     norma_core_box_tree_release(call, &n.tree);
     norma_core_release(call, n.winding, count, sizeof *n.winding);

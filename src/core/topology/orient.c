@@ -50,7 +50,7 @@ typedef struct ray {
 } ray;
 
 static void point_ray(ray *r, const double direction[3], double sign) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         r->direction[k] = sign * direction[k];
         r->inverse[k] = 1 / r->direction[k];
     }
@@ -75,7 +75,7 @@ static int meets_triangle(const ray *r, const core_triangle *t) {
  * Relative to the distance, this much is the rounding of both. */
 static double enter_box(const core_box_node *node, const ray *r) {
     double from = 0, to = INFINITY;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double a = (node->low[k] - r->origin[k]) * r->inverse[k],
                      b = (node->high[k] - r->origin[k]) * r->inverse[k];
         const double in = a < b ? a : b, out = a < b ? b : a;
@@ -106,13 +106,13 @@ static int leaves_scene(const rays *all, ray *r) {
     stack[depth++] = 0;
     while (depth && r->steps < r->most) {
         const core_box_node *node = &all->tree.boxes.nodes[stack[--depth]];
-        r->steps++;
+        ++r->steps;
         if (node->right) {
             depth += push_children(all, node, r, stack + depth);
             continue;
         }
         r->steps += node->count;
-        for (uint32_t i = node->begin; i < node->begin + node->count; i++)
+        for (uint32_t i = node->begin; i < node->begin + node->count; ++i)
             if (meets_triangle(r, &all->tree.triangles[i])) return 0;
     }
     return 1;
@@ -122,7 +122,7 @@ static int leaves_scene(const rays *all, ray *r) {
 
 /* Of the sequence's number: three numbers from 0 to 1 (splitmix64, Steele, Lea, Flood 2014). */
 static void three_numbers(uint64_t number, double out[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         uint64_t z = (number * 3 + (uint64_t)k + 1) * UINT64_C(0x9e3779b97f4a7c15);
         z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
         z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -136,13 +136,13 @@ static void aim(const double normal[3], uint64_t number, double direction[3]) {
     double square;
     do {
         three_numbers(number, direction);
-        for (int k = 0; k < 3; k++) direction[k] = 2 * direction[k] - 1;
+        for (int k = 0; k < 3; ++k) direction[k] = 2 * direction[k] - 1;
         square = norma_core_dot(direction, direction);
         number += UINT64_C(1) << 40;
     } while (square > 1 || square < 0x1p-8 || direction[0] == 0 || direction[1] == 0 ||
              direction[2] == 0);
     const double sign = norma_core_dot(direction, normal) < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++) direction[k] *= sign / sqrt(square);
+    for (int k = 0; k < 3; ++k) direction[k] *= sign / sqrt(square);
 }
 
 /* A point of the face, in the triangle of the fan from its first corner that the numbers choose.
@@ -162,7 +162,7 @@ static void start(
         a = 1 - a;
         b = 1 - b;
     }
-    for (int k = 0; k < 3; k++) origin[k] = p0[k] + a * (p1[k] - p0[k]) + b * (p2[k] - p0[k]);
+    for (int k = 0; k < 3; ++k) origin[k] = p0[k] + a * (p1[k] - p0[k]) + b * (p2[k] - p0[k]);
 }
 
 static double twice_area_of(const core_topology *t, size_t face) {
@@ -175,7 +175,7 @@ static double twice_area_of(const core_topology *t, size_t face) {
  * ways to wind a face. */
 static int looks_down(const double normal[3]) {
     int axis = 0;
-    while (axis < 2 && normal[axis] == 0) axis++;
+    while (axis < 2 && normal[axis] == 0) ++axis;
     return normal[axis] < 0;
 }
 
@@ -186,7 +186,7 @@ static int vote_of_face(const rays *all, size_t face, uint64_t number, ray *r) {
     norma_core_face_geometry(&all->topology->mesh, face, &geometry);
     if (!(geometry.flags & CORE_FACE_DIRECTED)) return 0;
     const int reversed = looks_down(geometry.normal);
-    for (int k = 0; k < 3 && reversed; k++) geometry.normal[k] = -geometry.normal[k];
+    for (int k = 0; k < 3 && reversed; ++k) geometry.normal[k] = -geometry.normal[k];
     r->face = (uint32_t)face;
     r->least = JUST_OFF * sqrt(geometry.twice_area);
     three_numbers(2 * number + 1, place);
@@ -205,9 +205,9 @@ static int choose_faces(const rays *all, size_t part, size_t count, uint32_t *fa
     const core_components *c = all->components;
     double total = 0, passed = 0;
     size_t chosen = 0;
-    for (size_t i = c->starts[part]; i < c->starts[part + 1]; i++)
+    for (size_t i = c->starts[part]; i < c->starts[part + 1]; ++i)
         total += twice_area_of(all->topology, c->faces[i]);
-    for (size_t i = c->starts[part]; i < c->starts[part + 1] && total > 0; i++) {
+    for (size_t i = c->starts[part]; i < c->starts[part + 1] && total > 0; ++i) {
         passed += twice_area_of(all->topology, c->faces[i]);
         while (chosen < count && passed * (double)count >= ((double)chosen + .5) * total)
             faces[chosen++] = c->faces[i];
@@ -245,7 +245,7 @@ static void poll_part(void *context, size_t part) {
         const int says = vote_of_face(all, faces[number], number, &r);
         if (r.steps >= r.most) break;
         p->votes += says;
-        p->cast++;
+        ++p->cast;
     }
     p->steps = r.steps;
     if (p->cast < FEWEST_RAYS || 4 * abs(p->votes) < p->cast) p->votes = 0;
@@ -255,22 +255,22 @@ static void poll_part(void *context, size_t part) {
 
 static void follow_votes(rays *all, core_ray_votes *votes) {
     core_components *c = all->components;
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         if (!(c->each[i].flags & all->open_flags) || (c->each[i].flags & COMPONENT_ONE_SIDED))
             continue;
         const poll *p = &all->polls[i];
         votes->steps += p->steps;
         if (!p->votes) {
-            votes->undecided++;
+            ++votes->undecided;
             c->each[i].flags |= COMPONENT_UNDECIDED;
             continue;
         }
-        votes->decided++;
+        ++votes->decided;
         votes->least_confidence =
             fmin(votes->least_confidence, fabs((double)p->votes) / (double)p->cast);
         if (p->votes > 0) continue;
-        votes->reversed++;
-        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++)
+        ++votes->reversed;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; ++k)
             c->reverse[c->faces[k]] = !c->reverse[c->faces[k]];
     }
 }
@@ -335,8 +335,8 @@ enum { UNASKED = 0, RIGHT, TURNED, UNDECIDED }; /* what is known of a piece */
 /* ---- opening */
 
 static void turn_inward_parts(core_components *c) {
-    for (size_t i = 0; i < c->count; i++)
-        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++)
+    for (size_t i = 0; i < c->count; ++i)
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; ++k)
             c->reverse[c->faces[k]] ^= c->each[i].verdict == COMPONENT_INWARD;
 }
 
@@ -407,7 +407,7 @@ static int is_for_rays(const core_side_judge *j, size_t face) {
 static size_t choose_pieces(core_side_judge *j, size_t first, size_t count, const uint8_t *asked) {
     core_components *pieces = &j->pieces;
     size_t chosen = 0;
-    for (size_t f = first; f < first + count; f++) {
+    for (size_t f = first; f < first + count; ++f) {
         const uint32_t piece = pieces->of[f];
         if ((asked && !asked[f - first]) || piece == UINT32_MAX || j->known[piece] != UNASKED ||
             !is_for_rays(j, f) || has_flags(j, f, COMPONENT_ONE_SIDED))
@@ -415,7 +415,7 @@ static size_t choose_pieces(core_side_judge *j, size_t first, size_t count, cons
         j->known[piece] = j->cast[piece];
         if (j->cast[piece] != UNASKED) continue;
         pieces->each[piece].flags |= COMPONENT_OPEN;
-        chosen++;
+        ++chosen;
     }
     return chosen;
 }
@@ -425,7 +425,7 @@ static norma_result ask_side_rays(core_side_judge *j) {
     core_ray_votes votes;
     norma_result result = j->rays ? NORMA_OK : core_ray_scene_open(&j->topology, pieces, &j->rays);
     if (result == NORMA_OK) result = core_ray_scene_vote(j->rays, COMPONENT_OPEN, &votes);
-    for (size_t i = 0; i < pieces->count; i++) {
+    for (size_t i = 0; i < pieces->count; ++i) {
         core_component *piece = &pieces->each[i];
         if (piece->flags & COMPONENT_OPEN && result == NORMA_OK)
             j->known[i] = j->cast[i] = piece->flags & COMPONENT_UNDECIDED ? UNDECIDED
@@ -456,10 +456,10 @@ static uint8_t side_of(const core_side_judge *j, size_t face) {
 
 norma_result norma_core_side_judge_ask(
     core_side_judge *judge, size_t first, size_t count, const uint8_t *asked, uint8_t *sides) {
-    for (size_t i = 0; i < judge->pieces.count; i++) judge->pieces.each[i].flags = 0;
+    for (size_t i = 0; i < judge->pieces.count; ++i) judge->pieces.each[i].flags = 0;
     norma_result result = NORMA_OK;
     if (choose_pieces(judge, first, count, asked)) result = ask_side_rays(judge);
-    for (size_t f = 0; f < count && result == NORMA_OK; f++) sides[f] = side_of(judge, first + f);
+    for (size_t f = 0; f < count && result == NORMA_OK; ++f) sides[f] = side_of(judge, first + f);
     return result;
 }
 
@@ -486,7 +486,7 @@ static norma_result pair_and_count(core_topology *t, norma_orient_report *report
     memset(counts, 0, blocks * sizeof *counts);
     const core_topology_visitor visitor = {.context = counts, .edge = count_odd_edge};
     const norma_result result = norma_core_pair_edges(t, &visitor);
-    for (size_t i = 0; i < blocks; i++) {
+    for (size_t i = 0; i < blocks; ++i) {
         report->non_manifold_edges += counts[i].many;
         report->winding_conflicts += counts[i].conflicts;
     }
@@ -495,12 +495,12 @@ static norma_result pair_and_count(core_topology *t, norma_orient_report *report
 }
 
 static void turn_round(core_components *c, size_t part) {
-    for (size_t k = c->starts[part]; k < c->starts[part + 1]; k++)
+    for (size_t k = c->starts[part]; k < c->starts[part + 1]; ++k)
         c->reverse[c->faces[k]] = !c->reverse[c->faces[k]];
 }
 
 static void turn_outward(core_components *c, norma_orient_report *report) {
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < c->count; ++i) {
         const core_component *part = &c->each[i];
         report->closed += !(part->flags & PART_NOT_CLOSED);
         report->one_sided += (part->flags & COMPONENT_ONE_SIDED) != 0;
@@ -537,7 +537,7 @@ static norma_result orient(
     if (result != NORMA_OK) return result;
     norma_core_stage(t->call, 0.6, 1);
     result = orient_parts(t, open, &components, report);
-    for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; f++) {
+    for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; ++f) {
         reverse[f] = components.reverse[f] != 0;
         report->reversed_faces += reverse[f];
     }
@@ -589,7 +589,7 @@ static norma_result check_winding(
     if (!face_starts) return corner_count % 3 ? NORMA_ERROR_ARGUMENT : NORMA_OK;
     if (face_count >= SIZE_MAX / sizeof *face_starts) return NORMA_ERROR_OVERFLOW;
     if (face_starts[0] != 0 || face_starts[face_count] != corner_count) return NORMA_ERROR_ARGUMENT;
-    for (size_t f = 0; f < face_count; f++)
+    for (size_t f = 0; f < face_count; ++f)
         if (face_starts[f + 1] < face_starts[f]) return NORMA_ERROR_ARGUMENT;
     return NORMA_OK;
 }
@@ -601,10 +601,10 @@ norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t cor
     if (result || !corner_count) return result;
     if (!corners) return NORMA_ERROR_ARGUMENT;
     if (!face_starts) face_count = corner_count / 3;
-    for (size_t f = 0; f < face_count; f++) {
+    for (size_t f = 0; f < face_count; ++f) {
         size_t low = (face_starts ? face_starts[f] : 3 * f) + 1,
                end = face_starts ? face_starts[f + 1] : 3 * f + 3;
-        for (; low + 1 < end; low++, end--)
+        for (; low + 1 < end; ++low, --end)
             swap_elements((unsigned char *)corners + low * corner_size,
                 (unsigned char *)corners + (end - 1) * corner_size, corner_size);
     }

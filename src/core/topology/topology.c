@@ -24,7 +24,7 @@ static void weld_corners(void *context, size_t block) {
     const corner_copy *copy = context;
     const size_t count = copy->from->corner_count, begin = block * CORNERS_IN_BLOCK,
                  end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
-    for (size_t c = begin; c < end; c++) copy->to[c] = norma_core_welded_corner(copy->from, c);
+    for (size_t c = begin; c < end; ++c) copy->to[c] = norma_core_welded_corner(copy->from, c);
 }
 
 /* ---- what a polygon has in common with its twins */
@@ -37,11 +37,11 @@ static core_polygon polygon_of(const core_mesh *mesh, size_t face) {
     core_polygon polygon = {.anchor = UINT32_MAX};
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     uint32_t least = UINT32_MAX;
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t here = norma_core_corner(mesh, c),
                        next = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, c));
         if (here == next) continue;
-        polygon.kept++;
+        ++polygon.kept;
         if (here < least) {
             least = here;
             polygon.anchor = (uint32_t)c;
@@ -58,7 +58,7 @@ static void find_polygons(void *context, size_t block) {
     const core_topology *t = context;
     const size_t count = t->mesh.face_count, begin = block * FACES_IN_BLOCK,
                  end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
-    for (size_t f = begin; f < end; f++) t->polygons[f] = polygon_of(&t->mesh, f);
+    for (size_t f = begin; f < end; ++f) t->polygons[f] = polygon_of(&t->mesh, f);
 }
 
 /* ---- opening */
@@ -160,7 +160,7 @@ static int load_polygon_slot(const core_topology *t, size_t corner, star_slot *s
 static void load_star(const core_topology *t, uint32_t position, star *r) {
     r->count = 0;
     r->position = position;
-    for (uint32_t i = t->corners_of.starts[position]; i < t->corners_of.starts[position + 1]; i++) {
+    for (uint32_t i = t->corners_of.starts[position]; i < t->corners_of.starts[position + 1]; ++i) {
         const size_t corner = t->corners_of.corners[i];
         star_slot *s = &r->slots[r->count];
         const int has_edges =
@@ -175,9 +175,9 @@ static void load_star(const core_topology *t, uint32_t position, star *r) {
 /* Finds of each face the one that comes back along its next edge; 0: none does, or several do. */
 static int pair_few(const star *r, uint8_t *after) {
     const size_t n = r->count;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; ++i) {
         size_t ahead = 0, matches = 0;
-        for (size_t k = 0; k < n; k++) {
+        for (size_t k = 0; k < n; ++k) {
             const size_t back = r->slots[k].previous == r->slots[i].next;
             matches += back;
             ahead += back * k;
@@ -193,7 +193,7 @@ static int is_one_round(const uint8_t *after, size_t n) {
     size_t length = 0, at = 0;
     do {
         at = after[at];
-        length++;
+        ++length;
     } while (at != 0 && length < n);
     return at == 0 && length == n;
 }
@@ -205,7 +205,7 @@ static int pair_ordinary(const core_topology *t, const star *r) {
     if (r->count < 3 || r->count > FEW_SLOTS || !pair_few(r, after) ||
         !is_one_round(after, r->count))
         return 0;
-    for (size_t i = 0; i < r->count; i++) {
+    for (size_t i = 0; i < r->count; ++i) {
         if (r->position > r->slots[i].next) continue;
         const uint32_t out = r->slots[i].corner, in = r->slots[after[i]].previous_corner;
         t->partners[out] = in;
@@ -233,17 +233,17 @@ static void sort_runs(core_edge_run *runs, size_t count) {
         norma_core_sort(runs, count, sizeof *runs, run_is_less);
         return;
     }
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         const core_edge_run run = runs[i];
         size_t k = i;
-        for (; k > 0 && run_is_less(&run, &runs[k - 1]); k--) runs[k] = runs[k - 1];
+        for (; k > 0 && run_is_less(&run, &runs[k - 1]); --k) runs[k] = runs[k - 1];
         runs[k] = run;
     }
 }
 
 static size_t list_runs(const core_topology *t, const star *r) {
     size_t count = 0;
-    for (size_t i = 0; i < r->count; i++) {
+    for (size_t i = 0; i < r->count; ++i) {
         const star_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : 0;
         r->runs[count++] = (core_edge_run){t->polygons ? key : norma_core_triangle_key(s->previous),
@@ -258,14 +258,14 @@ static size_t list_runs(const core_topology *t, const star *r) {
 static void pair_edge(
     const pairing *p, size_t block, const star *r, const core_edge_run *runs, size_t count) {
     const core_topology *t = p->topology;
-    for (size_t i = 1; i < count; i++) norma_core_join_sets(r->fans, runs[0].slot, runs[i].slot);
+    for (size_t i = 1; i < count; ++i) norma_core_join_sets(r->fans, runs[0].slot, runs[i].slot);
     if (runs->other < r->position) return;
     if (count == 2 && runs[0].out != runs[1].out) {
         t->partners[runs[0].corner] = runs[1].corner;
         t->partners[runs[1].corner] = runs[0].corner;
         return;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         t->partners[runs[i].corner] = count == 1   ? CORE_EDGE_OPEN
                                       : count == 2 ? CORE_EDGE_CONFLICT
                                                    : CORE_EDGE_MANY;
@@ -279,7 +279,7 @@ static void find_twins(const pairing *p, size_t block, const star *r) {
     const core_topology *t = p->topology;
     size_t count = 0;
     if (!p->visitor || !p->visitor->twins) return;
-    for (size_t i = 0; i < r->count; i++) {
+    for (size_t i = 0; i < r->count; ++i) {
         const star_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : s->next < s->previous;
         if (s->anchor)
@@ -290,7 +290,7 @@ static void find_twins(const pairing *p, size_t block, const star *r) {
     if (count < 2) return;
     norma_core_sort(r->twins, count, sizeof *r->twins, twin_is_less);
     for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && r->twins[end].key == r->twins[begin].key; end++) {
+        for (end = begin + 1; end < count && r->twins[end].key == r->twins[begin].key; ++end) {
         }
         if (end - begin > 1)
             p->visitor->twins(p->visitor->context, block, &r->twins[begin], end - begin);
@@ -299,14 +299,14 @@ static void find_twins(const pairing *p, size_t block, const star *r) {
 
 static void pair_any(const pairing *p, size_t block, const star *r) {
     size_t fans = 0;
-    for (size_t i = 0; i < r->count; i++) r->fans[i] = (uint32_t)i;
+    for (size_t i = 0; i < r->count; ++i) r->fans[i] = (uint32_t)i;
     const size_t count = list_runs(p->topology, r);
     for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && r->runs[end].other == r->runs[begin].other; end++) {
+        for (end = begin + 1; end < count && r->runs[end].other == r->runs[begin].other; ++end) {
         }
         pair_edge(p, block, r, &r->runs[begin], end - begin);
     }
-    for (size_t i = 0; i < r->count; i++) fans += r->fans[i] == i;
+    for (size_t i = 0; i < r->count; ++i) fans += r->fans[i] == i;
     if (fans > 1 && p->visitor && p->visitor->bow_tie)
         p->visitor->bow_tie(p->visitor->context, block, r->position, fans);
     find_twins(p, block, r);
@@ -326,7 +326,7 @@ static void pair_block(void *context, size_t block) {
                  end = count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK;
     star_space space;
     star r = {space.slots, space.runs, space.twins, space.fans, 0, 0};
-    for (size_t position = begin; position < end; position++) {
+    for (size_t position = begin; position < end; ++position) {
         const size_t size = corners_of->starts[position + 1] - corners_of->starts[position];
         if (size && size <= STAR_SLOTS) pair_star(p, block, (uint32_t)position, &r);
     }
@@ -342,7 +342,7 @@ static norma_result pair_large(const pairing *p) {
         norma_core_allocate(t->call, most, sizeof *r.fans), 0, 0};
     norma_result result = r.slots && r.runs && r.twins && r.fans ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t position = 0; position < t->corners_of.position_count && result == NORMA_OK;
-         position++) {
+         ++position) {
         if (t->corners_of.starts[position + 1] - t->corners_of.starts[position] <= STAR_SLOTS)
             continue;
         pair_star(p, p->blocks - 1, (uint32_t)position, &r);

@@ -17,10 +17,10 @@ static int is_before_y(const void *a, const void *b) { return is_before(a, b, 1)
 static int is_before_z(const void *a, const void *b) { return is_before(a, b, 2); }
 
 static void sort_few(core_tree_item *items, size_t count, int axis) {
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         const core_tree_item moved = items[i];
         size_t at = i;
-        for (; at > 0 && is_before(&moved, &items[at - 1], axis); at--) items[at] = items[at - 1];
+        for (; at > 0 && is_before(&moved, &items[at - 1], axis); --at) items[at] = items[at - 1];
         items[at] = moved;
     }
 }
@@ -31,7 +31,7 @@ static void halve_along(core_tree_item *items, size_t count, int axis) {
     static int (*const before[])(const void *, const void *) = {
         is_before_x, is_before_y, is_before_z};
     size_t low = 0, high = count, middle = count / 2;
-    for (int tries = 0; high - low > FEW_ITEMS; tries++) {
+    for (int tries = 0; high - low > FEW_ITEMS; ++tries) {
         if (tries > 64) {
             norma_core_sort(items + low, high - low, sizeof *items, before[axis]);
             return;
@@ -39,14 +39,14 @@ static void halve_along(core_tree_item *items, size_t count, int axis) {
         const core_tree_item pivot = items[low + (high - low) / 2];
         size_t i = low, k = high - 1;
         for (;;) {
-            while (is_before(&items[i], &pivot, axis)) i++;
-            while (is_before(&pivot, &items[k], axis)) k--;
+            while (is_before(&items[i], &pivot, axis)) ++i;
+            while (is_before(&pivot, &items[k], axis)) --k;
             if (i >= k) break;
             const core_tree_item swap = items[i];
             items[i] = items[k];
             items[k] = swap;
-            i++;
-            k--;
+            ++i;
+            --k;
         }
         /* items before i are not above the pivot, those behind k not below it */
         if (middle <= k)
@@ -62,13 +62,13 @@ static void halve_items(core_tree_item *items, size_t count) {
     int axis = 0;
     memcpy(low, items[0].centre, sizeof low);
     memcpy(high, items[0].centre, sizeof high);
-    for (size_t i = 1; i < count; i++)
-        for (int k = 0; k < 3; k++) {
+    for (size_t i = 1; i < count; ++i)
+        for (int k = 0; k < 3; ++k) {
             const double at = items[i].centre[k];
             low[k] = at < low[k] ? at : low[k];
             high[k] = at > high[k] ? at : high[k];
         }
-    for (int k = 1; k < 3; k++)
+    for (int k = 1; k < 3; ++k)
         if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
     halve_along(items, count, axis);
 }
@@ -80,7 +80,7 @@ static void halve_items(core_tree_item *items, size_t count) {
 static size_t nodes_below(size_t count) {
     size_t nodes = 0;
     int depth = 0;
-    for (; count >> depth > LEAF; depth++) nodes += (size_t)2 << depth;
+    for (; count >> depth > LEAF; ++depth) nodes += (size_t)2 << depth;
     if (count >> depth == LEAF) nodes += 2 * (count & (((size_t)1 << depth) - 1));
     return nodes;
 }
@@ -145,8 +145,8 @@ norma_result norma_core_tree_grow(core_call *call, core_tree_item *items, size_t
     void (*fill)(void *context, const core_tree_part *part), void *context) {
     growth g = {.items = items, .fill = fill, .context = context, .first = 1};
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k)
             if (items[i].centre[k] != items[i].centre[k]) items[i].centre[k] = 0;
     g.parts[1] = make_part(0, count, 0, 1);
     for (; count >= WORTH_SHARING && g.first < SHARED_PARTS && result == NORMA_OK; g.first *= 2)
@@ -170,16 +170,16 @@ typedef struct boxing {
 static void measure_boxes(void *context, size_t chunk) {
     const boxing *b = context;
     const size_t first = chunk * BOXES_AT_ONCE, left = b->tree->count - first;
-    for (size_t i = first; i < first + (left < BOXES_AT_ONCE ? left : BOXES_AT_ONCE); i++) {
+    for (size_t i = first; i < first + (left < BOXES_AT_ONCE ? left : BOXES_AT_ONCE); ++i) {
         core_box box;
         b->box_of(b->context, (uint32_t)i, SIZE_MAX, &box);
         b->items[i].number = (uint32_t)i;
-        for (int k = 0; k < 3; k++) b->items[i].centre[k] = box.low[k] / 2 + box.high[k] / 2;
+        for (int k = 0; k < 3; ++k) b->items[i].centre[k] = box.low[k] / 2 + box.high[k] / 2;
     }
 }
 
 static void join_boxes(core_box_node *node, const double low[3], const double high[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         node->low[k] = low[k] < node->low[k] ? low[k] : node->low[k];
         node->high[k] = high[k] > node->high[k] ? high[k] : node->high[k];
     }
@@ -190,11 +190,11 @@ static void fill_box(void *context, const core_tree_part *part) {
     core_box_node *node = &b->tree->nodes[part->node];
     *node = (core_box_node){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
         part->begin, part->count, part->halves, part->halves ? part->halves + 1 : 0};
-    for (uint32_t i = 0; part->halves && i < 2; i++) {
+    for (uint32_t i = 0; part->halves && i < 2; ++i) {
         const core_box_node *half = &b->tree->nodes[part->halves + i];
         join_boxes(node, half->low, half->high);
     }
-    for (uint32_t i = part->begin; !part->halves && i < part->begin + part->count; i++) {
+    for (uint32_t i = part->begin; !part->halves && i < part->begin + part->count; ++i) {
         core_box box;
         b->box_of(b->context, b->items[i].number, i, &box);
         b->tree->numbers[i] = b->items[i].number;

@@ -18,7 +18,7 @@ typedef struct triangle_list {
 } triangle_list;
 
 static void read_three_corners(const core_mesh *mesh, const uint32_t corners[3], double p[3][3]) {
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i)
         norma_core_position(mesh, norma_core_corner(mesh, corners[i]), p[i]);
 }
 
@@ -34,7 +34,7 @@ static int has_area(const double p[3][3]) {
 static void list_triangle(triangle_list *list, size_t face, const uint32_t corners[3]) {
     double p[3][3];
     read_three_corners(list->mesh, corners, p);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i)
         if (!norma_core_finite(p[i])) return;
     if (list->by == CORE_TRIANGLES_CUT && !has_area((const double(*)[3])p)) return;
     list->each[list->count++] =
@@ -44,7 +44,7 @@ static void list_triangle(triangle_list *list, size_t face, const uint32_t corne
 /* Numbers of corners within the face. */
 static void cut_face_by_ears(
     const core_mesh *mesh, size_t begin, size_t count, core_cutter *cutter, uint32_t *triangles) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         norma_core_position(mesh, norma_core_corner(mesh, begin + i), cutter->points[i]);
     if (norma_core_polygon_fans(cutter, count)) return;
     (void)norma_core_cut_polygon(cutter, count, triangles);
@@ -53,13 +53,13 @@ static void cut_face_by_ears(
 static void list_face(triangle_list *list, size_t face, core_cutter *cutter, uint32_t *triangles) {
     const size_t begin = norma_core_face_begin(list->mesh, face),
                  count = norma_core_face_end(list->mesh, face) - begin;
-    for (uint32_t i = 2; i < count; i++)
+    for (uint32_t i = 2; i < count; ++i)
         memcpy(triangles + 3 * (i - 2), (const uint32_t[]){0, i - 1, i}, 3 * sizeof *triangles);
     if (list->by == CORE_TRIANGLES_CUT && count > 3)
         cut_face_by_ears(list->mesh, begin, count, cutter, triangles);
-    for (size_t i = 0; i + 2 < count; i++) {
+    for (size_t i = 0; i + 2 < count; ++i) {
         uint32_t corners[3];
-        for (size_t k = 0; k < 3; k++) corners[k] = (uint32_t)begin + triangles[3 * i + k];
+        for (size_t k = 0; k < 3; ++k) corners[k] = (uint32_t)begin + triangles[3 * i + k];
         list_triangle(list, face, corners);
     }
 }
@@ -68,7 +68,7 @@ static norma_result list_triangles(const core_call *call, triangle_list *list) {
     const core_mesh *mesh = list->mesh;
     core_cutter cutter;
     size_t largest = 3;
-    for (size_t f = 0; f < mesh->face_count; f++) {
+    for (size_t f = 0; f < mesh->face_count; ++f) {
         const size_t corners = norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f);
         list->room += corners > 2 ? corners - 2 : 0;
         largest = corners > largest ? corners : largest;
@@ -79,7 +79,7 @@ static norma_result list_triangles(const core_call *call, triangle_list *list) {
     void *memory = norma_core_allocate(call, 1, size);
     const norma_result result = list->each && triangles && memory ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (memory) norma_core_cutter_begin(&cutter, memory, largest, mesh->corner_count);
-    for (size_t f = 0; result == NORMA_OK && f < mesh->face_count; f++)
+    for (size_t f = 0; result == NORMA_OK && f < mesh->face_count; ++f)
         list_face(list, f, &cutter, triangles);
     norma_core_release(call, triangles, largest, 3 * sizeof *triangles);
     norma_core_release(call, memory, 1, size);
@@ -91,9 +91,9 @@ static void box_of_triangle(void *context, uint32_t number, size_t place, core_b
     const listed_triangle *listed = &list->each[number];
     double p[3][3];
     read_three_corners(list->mesh, listed->corners, p);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         box->low[k] = box->high[k] = p[0][k];
-        for (int i = 1; i < 3; i++) {
+        for (int i = 1; i < 3; ++i) {
             box->low[k] = p[i][k] < box->low[k] ? p[i][k] : box->low[k];
             box->high[k] = p[i][k] > box->high[k] ? p[i][k] : box->high[k];
         }
@@ -164,7 +164,7 @@ double norma_core_nearest_in_triangle(
     double from[3];
     norma_core_subtract(point, t->corner, from);
     nearest_weights(t, from, weights);
-    for (int k = 0; k < 3; k++) from[k] -= weights[0] * t->u[k] + weights[1] * t->v[k];
+    for (int k = 0; k < 3; ++k) from[k] -= weights[0] * t->u[k] + weights[1] * t->v[k];
     return norma_core_dot(from, from);
 }
 
@@ -176,7 +176,7 @@ typedef struct box_at {
 static box_at box_from(const core_triangle_tree *tree, uint32_t node, const double p[3]) {
     const core_box_node *box = &tree->boxes.nodes[node];
     double sum = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double below = box->low[k] - p[k], above = p[k] - box->high[k];
         const double gap = below > above ? below : above;
         sum += gap > 0 ? gap * gap : 0;
@@ -204,7 +204,7 @@ static void visit_near(const core_triangle_tree *tree, const double point[3], co
             stack[depth++] = left_first ? left : right;
             continue;
         }
-        for (size_t i = node->begin; i < node->begin + node->count; i++) {
+        for (size_t i = node->begin; i < node->begin + node->count; ++i) {
             double weights[2];
             const double distance =
                 norma_core_nearest_in_triangle(&tree->triangles[i], point, weights);
@@ -273,7 +273,7 @@ static void approach(triangles_near *near, size_t triangle, double squared) {
 
 static void drop_far(triangles_near *near) {
     size_t kept = 0;
-    for (size_t i = 0; i < near->count; i++) {
+    for (size_t i = 0; i < near->count; ++i) {
         if (!(near->distances[i] <= near->within)) continue;
         near->distances[kept] = near->distances[i];
         near->numbers[kept++] = near->numbers[i];

@@ -18,14 +18,14 @@ static void see_each_vertex(const core_vertices *vertices, core_star *star) {
     star_member *members = norma_core_star_members(star);
     uint32_t *numbers = norma_core_star_numbers(star);
     core_fan fan = {.reason = NORMA_REASON_CANCELLED};
-    for (uint32_t i = 0; i < star->count; i++)
+    for (uint32_t i = 0; i < star->count; ++i)
         members[i] = (star_member){
             .vertex = norma_core_corner(&vertices->prepared->mesh, star->corners[i].corner),
             .index = i};
     norma_core_sort_corners(members, star->count);
     keep(vertices, star->position, OWN, &fan);
     for (size_t begin = 0, end; begin < star->count; begin = end) {
-        for (end = begin; end < star->count && members[end].vertex == members[begin].vertex; end++)
+        for (end = begin; end < star->count && members[end].vertex == members[begin].vertex; ++end)
             numbers[end - begin] = members[end].index;
         norma_core_star_see_some(star, numbers, end - begin, &fan);
         keep(vertices, members[begin].vertex, OWN, &fan);
@@ -91,7 +91,7 @@ static int normal_of_vertex(const void *context, size_t vertex, float normal[3])
 }
 
 static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally) {
-    for (size_t v = begin; v < end; v++) {
+    for (size_t v = begin; v < end; ++v) {
         float normal[3];
         const int reason = normal_of_vertex(&work->vertices, v, normal);
         norma_core_write_element(work->output, v, reason, normal, tally);
@@ -104,7 +104,7 @@ static int write_batch(const vertex_work *work, size_t begin) {
     const uint32_t *weld = vertices->prepared->mesh.weld;
     core_vertex_sum welded[CORE_LANES];
     float normals[CORE_LANES][3];
-    for (size_t i = 0; weld && i < CORE_LANES; i++) welded[i] = vertices->sums[weld[begin + i]];
+    for (size_t i = 0; weld && i < CORE_LANES; ++i) welded[i] = vertices->sums[weld[begin + i]];
     if (!work->kernels->finish(weld ? welded : vertices->sums + begin, normals)) return 0;
     norma_core_write_normals(work->output, begin, CORE_LANES, (const float(*)[3])normals);
     return 1;

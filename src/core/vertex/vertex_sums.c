@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
-    for (size_t i = 0; i < count; i++) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
+    for (size_t i = 0; i < count; ++i) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
 }
 
 /* ---- one face added by itself, a polygon or a triangle that doubles do not decide: what the
@@ -42,7 +42,7 @@ static void add_alone(void *context, size_t f) {
             norma_core_count_one(adder->degenerate, f);
         return;
     }
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t sum = sum_of_corner(voting, c) - adder->first;
         if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
         norma_core_add_vote(&adder->sums[sum],
@@ -102,7 +102,7 @@ static size_t core_chunk_of_bin(const core_bins *bins, const core_bin *bin, size
     const uint32_t last = bin->first + (bin->count - 1);
     while (chunk < bins->chunks &&
            (bins->ranges[chunk].least > last || bins->ranges[chunk].most < bin->first))
-        chunk++;
+        ++chunk;
     return chunk;
 }
 static int core_bin_owns(const core_bins *bins, const core_bin *bin, size_t chunk) {
@@ -134,7 +134,7 @@ enum {
 
 static double average_span(const core_range *ranges, size_t chunks) {
     double sum = 0;
-    for (size_t i = 0; i < chunks; i++) sum += (double)(ranges[i].most - ranges[i].least) + 1;
+    for (size_t i = 0; i < chunks; ++i) sum += (double)(ranges[i].most - ranges[i].least) + 1;
     return chunks ? sum / (double)chunks : 1;
 }
 
@@ -161,7 +161,7 @@ static size_t choose_size(size_t workers, size_t positions, double span, size_t 
 /* Whether chunks are measured for so many bins each at most. */
 static int is_coherent(const core_bins *bins, double most) {
     size_t touched = 0;
-    for (size_t i = 0; i < bins->chunks; i++)
+    for (size_t i = 0; i < bins->chunks; ++i)
         touched += bins->ranges[i].most / bins->size - bins->ranges[i].least / bins->size + 1;
     return (double)touched <= most * (double)bins->chunks + 1;
 }
@@ -231,7 +231,7 @@ static void work_on_bins(void *context, size_t task) {
 static norma_result core_each_bin(
     core_call *call, const core_bins *bins, core_bin_work *work, void *context) {
     bin_tasks tasks = {bins, work, context, {0}};
-    for (size_t i = 0; i < bins->buffers; i++) atomic_init(&tasks.taken[i], 0);
+    for (size_t i = 0; i < bins->buffers; ++i) atomic_init(&tasks.taken[i], 0);
     return norma_core_parallel(call, bins->step, work_on_bins, &tasks);
 }
 
@@ -331,7 +331,7 @@ norma_result norma_core_sum_bins(const core_voting *voting, core_vertex_sum *sum
     if (!sums) work.sums = norma_core_allocate(voting->call, records, sizeof *sums);
     const norma_result result =
         work.sums ? core_each_bin(voting->call, &work.bins, sum_bin, &work) : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < work.bins.buffers; i++) norma_core_tally_add(tally, &work.tallies[i]);
+    for (size_t i = 0; i < work.bins.buffers; ++i) norma_core_tally_add(tally, &work.tallies[i]);
     if (!sums) norma_core_release(voting->call, work.sums, records, sizeof *sums);
     *taken = 1;
     return result;
@@ -367,7 +367,7 @@ static void write_bin(
         }
         norma_core_write_normals(work->output, first + v - held, held, (const float(*)[3])normals);
         if (held < AT_ONCE)
-            for (size_t end = count - v < CORE_LANES ? count : v + CORE_LANES; v < end; v++)
+            for (size_t end = count - v < CORE_LANES ? count : v + CORE_LANES; v < end; ++v)
                 write_one(work, &sums[v], first + v, tally);
         held = 0;
     }
@@ -416,7 +416,7 @@ static void find_range(void *context, size_t chunk) {
     const size_t face = chunk * CORE_FACES_IN_CHUNK, left = mesh->face_count - face,
                  begin = norma_core_face_begin(mesh, face),
                  end = norma_core_face_begin(mesh, face + lesser_of(left, CORE_FACES_IN_CHUNK));
-    for (size_t c = begin; c < end; c++) {
+    for (size_t c = begin; c < end; ++c) {
         const uint32_t sum = sum_of_corner(voting, c);
         touched.least = sum < touched.least ? sum : touched.least;
         touched.most = sum > touched.most ? sum : touched.most;
@@ -460,7 +460,7 @@ static norma_result sum_ranges(sum_work *work) {
      */
     if (bins->count > 1 && result == NORMA_OK && !is_coherent(bins, 0.75 * (double)bins->count))
         divide_into_ranges(bins, 1);
-    for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
+    for (size_t step = 0; step < steps && result == NORMA_OK; ++step) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
         norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
             from + (to - from) * (double)(step + 1) / (double)steps);
@@ -489,7 +489,7 @@ norma_result norma_core_sum_all(
         .scattered = norma_core_is_scattered(voting->mesh)};
     divide_into_ranges(&work.bins, ranges_for(voting));
     const norma_result result = sum_ranges(&work);
-    for (size_t i = 0; i < work.bins.count; i++)
+    for (size_t i = 0; i < work.bins.count; ++i)
         norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     return result;
 }
@@ -502,7 +502,7 @@ static void add_own(core_vertices *vertices, size_t f) {
     core_face face;
     norma_core_prepared_mesh_face(prepared, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) return;
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
         const uint32_t number = vertices->own[norma_core_corner(mesh, c)];
         if (number == UINT32_MAX || !norma_core_is_kept(mesh, f, c)) continue;
         norma_core_add_vote(&vertices->own_sums[number],
@@ -517,10 +517,10 @@ static void add_own_triangles(core_vertices *vertices, const size_t *faces, size
     if (!count) return;
     const unsigned decided = norma_core_measure_triangles(
         prepared->call, &prepared->mesh, prepared->call->options.weight, faces, count, &b);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const double normal[3] = {b.normal[0][i], b.normal[1][i], b.normal[2][i]};
         if (!(decided >> i & 1U)) add_own(vertices, faces[i]);
-        for (size_t k = 0; k < 3 && (decided >> i & 1U); k++) {
+        for (size_t k = 0; k < 3 && (decided >> i & 1U); ++k) {
             const uint32_t number =
                 vertices->own[norma_core_corner(&prepared->mesh, 3 * faces[i] + k)];
             if (number != UINT32_MAX)
@@ -531,7 +531,7 @@ static void add_own_triangles(core_vertices *vertices, const size_t *faces, size
 
 static int touches_own(const core_vertices *vertices, size_t f) {
     const core_mesh *mesh = &vertices->prepared->mesh;
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c)
         if (vertices->own[norma_core_corner(mesh, c)] != UINT32_MAX) return 1;
     return 0;
 }
@@ -540,7 +540,7 @@ static int touches_own(const core_vertices *vertices, size_t f) {
 static void add_all_own(core_vertices *vertices) {
     const core_mesh *mesh = &vertices->prepared->mesh;
     size_t faces[CORE_LANES], count = 0;
-    for (size_t f = 0; f < mesh->face_count; f++) {
+    for (size_t f = 0; f < mesh->face_count; ++f) {
         if (!touches_own(vertices, f)) continue;
         if (norma_core_face_starts(mesh))
             add_own(vertices, f);
@@ -558,7 +558,7 @@ static norma_result sum_own(core_vertices *vertices) {
     const core_mesh *mesh = &vertices->prepared->mesh;
     size_t cancelled = 0;
     if (!mesh->weld) return NORMA_OK; /* a position has the corners of one vertex */
-    for (size_t v = 0; v < vertices->count; v++)
+    for (size_t v = 0; v < vertices->count; ++v)
         cancelled +=
             (size_t)core_record_cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
     if (!cancelled) return NORMA_OK;
@@ -567,7 +567,7 @@ static norma_result sum_own(core_vertices *vertices) {
     vertices->own_count = cancelled;
     if (!vertices->own || !vertices->own_sums) return NORMA_ERROR_MEMORY;
     uint32_t number = 0;
-    for (size_t v = 0; v < vertices->count; v++)
+    for (size_t v = 0; v < vertices->count; ++v)
         vertices->own[v] =
             core_record_cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
     norma_core_clear_sums(vertices->own_sums, cancelled);

@@ -10,17 +10,17 @@
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 static void linear(const double m[16], const double v[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = m[k] * v[0] + m[4 + k] * v[1] + m[8 + k] * v[2];
+    for (int k = 0; k < 3; ++k) out[k] = m[k] * v[0] + m[4 + k] * v[1] + m[8 + k] * v[2];
 }
 
 static void normal_map(const double n[9], const double v[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = n[k] * v[0] + n[3 + k] * v[1] + n[6 + k] * v[2];
+    for (int k = 0; k < 3; ++k) out[k] = n[k] * v[0] + n[3 + k] * v[1] + n[6 + k] * v[2];
 }
 
 /* Where a matrix flattens, some normals go to zero, but for the rounding of the matrix. */
 static double vanishing(const bake_map *map, const double normal[3]) {
     double largest = 0;
-    for (int i = 0; i < 9; i++) largest = fmax(largest, fabs(map->normal[i]));
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(map->normal[i]));
     return map->rank < 3 ? 1e-13 * largest * length(normal) : 0;
 }
 
@@ -32,18 +32,18 @@ static double transform_normal(const bake_map *map, const double normal[3], doub
     const double size = length(mapped);
     const int zero = length(normal) == 0,
               lost = !(norma_core_finite(normal) && size > vanishing(map, normal));
-    for (int k = 0; k < 3; k++) out[k] = zero ? 0 : lost ? map->fallback[k] : mapped[k] / size;
+    for (int k = 0; k < 3; ++k) out[k] = zero ? 0 : lost ? map->fallback[k] : mapped[k] / size;
     return lost ? 0 : size;
 }
 
 static void some_perpendicular(const double normal[3], double out[3]) {
     int axis = 0;
-    for (int i = 1; i < 3; i++)
+    for (int i = 1; i < 3; ++i)
         if (fabs(normal[i]) < fabs(normal[axis])) axis = i;
     const double e[3] = {axis == 0, axis == 1, axis == 2};
-    for (int k = 0; k < 3; k++) out[k] = e[k] - normal[k] * normal[axis];
+    for (int k = 0; k < 3; ++k) out[k] = e[k] - normal[k] * normal[axis];
     const double size = length(out);
-    for (int k = 0; k < 3; k++) out[k] /= size;
+    for (int k = 0; k < 3; ++k) out[k] /= size;
 }
 
 /* x, y, z, sign. normal: the transformed unit normal, zeros: no normal. */
@@ -57,10 +57,10 @@ static void transform_tangent(
     double mapped[3], flat[3];
     linear(map->matrix, tangent, mapped);
     const double along = norma_core_dot(mapped, normal), whole = length(mapped);
-    for (int k = 0; k < 3; k++) flat[k] = mapped[k] - along * normal[k];
+    for (int k = 0; k < 3; ++k) flat[k] = mapped[k] - along * normal[k];
     const double size = length(flat);
     if (size > 1e-12 * whole) {
-        for (int k = 0; k < 3; k++) out[k] = flat[k] / size;
+        for (int k = 0; k < 3; ++k) out[k] = flat[k] / size;
     } else if (length(normal) > 0) {
         some_perpendicular(normal, out);
     } else {
@@ -74,7 +74,7 @@ static void transform_normal_delta(
     double unit[3];
     const double size = base ? transform_normal(map, base, unit) : 0;
     normal_map(map->normal, delta, out);
-    for (int k = 0; k < 3 && size > 0; k++) out[k] /= size;
+    for (int k = 0; k < 3 && size > 0; ++k) out[k] /= size;
 }
 
 static void transform_tangent_delta(
@@ -83,7 +83,7 @@ static void transform_tangent_delta(
     if (base) linear(map->matrix, base, mapped);
     const double size = length(mapped);
     linear(map->matrix, delta, out);
-    for (int k = 0; k < 3 && size > 0; k++) out[k] /= size;
+    for (int k = 0; k < 3 && size > 0; ++k) out[k] /= size;
 }
 
 /* array->count elements of array->width numbers into values. base: the normals that tangents go
@@ -91,14 +91,14 @@ static void transform_tangent_delta(
  * where there are none. */
 static void gltf_transform_vectors(bake_role role, const bake_map *map, const gltf_array *array,
     const gltf_array *base, double *values) {
-    for (size_t i = 0; i < array->count; i++) {
+    for (size_t i = 0; i < array->count; ++i) {
         double in[4] = {0}, with[4] = {0}, normal[3] = {0, 0, 0}, *out = values + i * array->width;
         norma_gltf_doubles(array, i, in);
         if (base) norma_gltf_doubles(base, i, with);
         switch (role) {
         case BAKE_POSITIONS:
             linear(map->matrix, in, out);
-            for (int k = 0; k < 3; k++) out[k] += map->matrix[12 + k];
+            for (int k = 0; k < 3; ++k) out[k] += map->matrix[12 + k];
             break;
         case BAKE_NORMALS:
             transform_normal(map, in, out);
@@ -138,7 +138,7 @@ static int holds_values(
     double low, high;
     if (!limits(component, &low, &high)) return 0;
     const double by = normalized ? high : 1;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const double code = values[i] * by, whole = nearbyint(code);
         if (!(whole >= low && whole <= high && fabs(code - whole) <= tolerance)) return 0;
     }
@@ -160,7 +160,7 @@ static bake_encoded encode_codes(const gltf_array *stored, const double *values,
     if (!allocate_codes(data, stored, stored->component, stored->normalized)) return BAKE_NO_MEMORY;
     const double by = stored->normalized ? norma_gltf_largest_code(stored->component) : 1;
     const size_t size = norma_gltf_component_size(stored->component);
-    for (size_t i = 0; i < stored->count * stored->width; i++)
+    for (size_t i = 0; i < stored->count * stored->width; ++i)
         norma_gltf_write_number(
             data->bytes + i * size, stored->component, nearbyint(values[i] * by));
     return BAKE_ENCODED;
@@ -178,7 +178,7 @@ static bake_encoded encode_directions(
         norma_encode_snorm8(view, (int8_t *)data->bytes, stride, stored->count);
     else
         norma_encode_snorm16(view, (int16_t *)(void *)data->bytes, stride, stored->count);
-    for (size_t i = 0; i < stored->count && stored->width == 4; i++)
+    for (size_t i = 0; i < stored->count && stored->width == 4; ++i)
         norma_gltf_write_number(data->bytes + i * stride + 3 * size, stored->component,
             nearbyint(values[4 * i + 3] * norma_gltf_largest_code(stored->component)));
     return BAKE_ENCODED;
@@ -188,7 +188,7 @@ static bake_encoded encode_directions(
 static int float_component(bake_role role, const gltf_array *stored, const double *values) {
     const int exactly = role == BAKE_POSITIONS || role == BAKE_POSITION_DELTAS;
     int fits = stored->component == GLTF_HALF;
-    for (size_t i = 0; fits && i < stored->count * stored->width; i++)
+    for (size_t i = 0; fits && i < stored->count * stored->width; ++i)
         fits = norma_gltf_fits_half(values[i], exactly);
     return fits ? GLTF_HALF : stored->component == GLTF_DOUBLE ? GLTF_DOUBLE : GLTF_FLOAT;
 }
@@ -198,10 +198,10 @@ static bake_encoded encode_floats(
     const gltf_array *stored, int component, const double *values, gltf_data *data) {
     const size_t size = norma_gltf_component_size(component);
     if (!allocate_codes(data, stored, component, 0)) return BAKE_NO_MEMORY;
-    for (size_t i = 0; i < stored->count; i++) {
+    for (size_t i = 0; i < stored->count; ++i) {
         double before[4] = {0};
         if (stored->data) norma_gltf_doubles(stored, i, before);
-        for (size_t k = 0; k < stored->width; k++) {
+        for (size_t k = 0; k < stored->width; ++k) {
             const double value = values[i * stored->width + k];
             const int is_held = component == GLTF_FLOAT ? isfinite((float)value) : isfinite(value);
             /* infinity less infinity has another sign on each kind of processor */
@@ -280,7 +280,7 @@ static int grow_slots(bake_cache *cache) {
     const size_t size = norma_core_table_size(2 * (cache->count + 1));
     uint32_t *slots = norma_io_allocate(size, sizeof *slots);
     if (!slots) return 0;
-    for (uint32_t i = 0; i < cache->count; i++)
+    for (uint32_t i = 0; i < cache->count; ++i)
         *entry_slot_of(cache, slots, size, &cache->entries[i]) = i + 1;
     free(cache->slots);
     cache->slots = slots;
@@ -307,7 +307,7 @@ static int add_baked_entry(bake_cache *cache, const bake_entry *entry) {
 static int keeps_directions(const double n[9]) {
     const double size = n[0];
     if (!(size > 0)) return 0;
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 9; ++i)
         if (fabs(n[i] - (i % 4 == 0 ? size : 0)) > 1e-15 * size) return 0;
     return 1;
 }
@@ -318,12 +318,12 @@ static void find_fallback(bake_map *map) {
     double longest = 0;
     map->fallback[0] = map->fallback[1] = 0;
     map->fallback[2] = 1;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double *c = map->normal + 3 * i,
                      length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
         if (length <= longest) continue;
         longest = length;
-        for (int k = 0; k < 3; k++) map->fallback[k] = c[k] / length;
+        for (int k = 0; k < 3; ++k) map->fallback[k] = c[k] / length;
     }
 }
 
@@ -333,11 +333,11 @@ static void find_fallback(bake_map *map) {
  * serves for matrices too: by two halves of a hash of their bits. */
 static int identify(bake_cache *cache, bake_map *map) {
     uint64_t bits[16], mixed = 0;
-    for (int i = 0; i < 16; i++) map->matrix[i] += 0.0; /* -0 is 0 */
+    for (int i = 0; i < 16; ++i) map->matrix[i] += 0.0; /* -0 is 0 */
     memcpy(bits, map->matrix, sizeof bits);
-    for (int i = 0; i < 16; i++) mixed = (mixed ^ bits[i] ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
+    for (int i = 0; i < 16; ++i) mixed = (mixed ^ bits[i] ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
     bake_entry key = {MATRIX_ROLE, (uint32_t)mixed, (uint32_t)(mixed >> 32), 0, 0};
-    for (; find_entry(cache, &key, &map->id); key.map++)
+    for (; find_entry(cache, &key, &map->id); ++key.map)
         if (memcmp(cache->matrices[map->id], map->matrix, sizeof map->matrix) == 0) return 1;
     double(*grown)[16] = norma_io_grow(
         cache->matrices, &cache->matrix_capacity, cache->matrix_count + 1, sizeof *grown);
@@ -376,7 +376,7 @@ static void swap_corners(uint32_t *a, uint32_t *b) {
 }
 
 static void reverse_order(uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count / 2; i++) swap_corners(&corners[i], &corners[count - 1 - i]);
+    for (size_t i = 0; i < count / 2; ++i) swap_corners(&corners[i], &corners[count - 1 - i]);
 }
 
 /* FB_ngon_encoding: triangles that follow one another with one first corner are one polygon, a fan;
@@ -384,9 +384,9 @@ static void reverse_order(uint32_t *corners, size_t count) {
 static void reverse_polygons(uint32_t *corners, size_t triangles) {
     for (size_t first = 0, after; first < triangles; first = after) {
         for (after = first + 1; after < triangles && corners[3 * after] == corners[3 * first];)
-            after++;
-        for (size_t i = 0; i < (after - first) / 2; i++)
-            for (size_t k = 0; k < 3; k++)
+            ++after;
+        for (size_t i = 0; i < (after - first) / 2; ++i)
+            for (size_t k = 0; k < 3; ++k)
                 swap_corners(&corners[3 * (first + i) + k], &corners[3 * (after - 1 - i) + k]);
     }
 }
@@ -395,7 +395,7 @@ static void reverse_polygons(uint32_t *corners, size_t triangles) {
  * left out. Returns the number of corners. */
 static size_t unroll_strip(const uint32_t *strip, size_t count, uint32_t *list) {
     size_t made = 0;
-    for (size_t i = 0; i + 2 < count; i++) {
+    for (size_t i = 0; i + 2 < count; ++i) {
         const uint32_t a = strip[i], b = strip[i + 1], c = strip[i + 2];
         if (a == b || b == c || c == a) continue;
         list[made++] = a;
@@ -435,7 +435,7 @@ static norma_document_result read_winding(
     list->count = array.count;
     list->corners = norma_io_allocate(array.count + 1, sizeof *list->corners);
     if (!list->corners) return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < array.count; i++) {
+    for (size_t i = 0; i < array.count; ++i) {
         list->corners[i] = (uint32_t)i;
         if (primitive->indices != GLTF_NONE) norma_gltf_uints(&array, i, &list->corners[i]);
     }
@@ -452,7 +452,7 @@ static norma_document_result add_turned_corners(gltf *g, const gltf_primitive *p
     const size_t size = norma_gltf_component_size(data.component);
     data.bytes = norma_io_allocate(list->count + 1, size);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < list->count; i++)
+    for (size_t i = 0; i < list->count; ++i)
         norma_gltf_write_index(data.bytes + i * size, data.component, list->corners[i]);
     *number = norma_gltf_add_data(g, &data);
     return *number == GLTF_NONE ? norma_document_fail_memory(g->document, error)
@@ -603,13 +603,13 @@ norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mes
     const bake_map *map, size_t *vertices, norma_document_error *error) {
     const mesh_baker b = {g, cache, map, use->node};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t i = 0; !result && i < g->meshes[use->mesh].primitive_count; i++) {
+    for (uint32_t i = 0; !result && i < g->meshes[use->mesh].primitive_count; ++i) {
         const uint32_t number = g->meshes[use->mesh].first_primitive + i;
         const gltf_primitive *primitive = &g->primitives[number];
         gltf_slot slot = {use->copy, number, GLTF_SLOT_BASE, NULL};
         if (primitive->base.position == GLTF_NONE) continue; /* nothing is drawn */
         result = bake_attributes(&b, primitive, &primitive->base, slot, error);
-        for (uint32_t k = 0; !result && k < primitive->target_count; k++) {
+        for (uint32_t k = 0; !result && k < primitive->target_count; ++k) {
             slot.target = (int32_t)k;
             result = bake_attributes(
                 &b, primitive, &g->targets[primitive->first_target + k], slot, error);

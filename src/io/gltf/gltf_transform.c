@@ -20,9 +20,9 @@ enum {
 static uint32_t *gltf_bake_order(const gltf *g, const gltf_tree *tree) {
     uint32_t *order = norma_io_allocate((size_t)g->node_count + 1, sizeof *order);
     uint32_t count = 0;
-    for (uint32_t i = 0; order && i < g->node_count; i++)
+    for (uint32_t i = 0; order && i < g->node_count; ++i)
         if (tree->nodes[i].parent == GLTF_NONE) order[count++] = i;
-    for (uint32_t at = 0; order && at < count; at++)
+    for (uint32_t at = 0; order && at < count; ++at)
         for (uint32_t child = tree->nodes[order[at]].first;
              child != GLTF_NONE && count < g->node_count; child = tree->nodes[child].after)
             order[count++] = child;
@@ -99,7 +99,7 @@ static unsigned char *gltf_bake_flags(const gltf *g, const uint32_t *order) {
     if (!flags) return NULL;
     flag_animations(g, flags);
     flag_skins(g, flags);
-    for (uint32_t i = 0; i < g->node_count; i++) {
+    for (uint32_t i = 0; i < g->node_count; ++i) {
         const uint32_t node = order[i], parent = g->nodes[node].parent;
         if (holds_more(g, node)) flags[node] |= BAKE_HOLDS_MORE;
         if ((flags[node] & BAKE_MOVES) || (parent != GLTF_NONE && (flags[parent] & BAKE_MOVED)))
@@ -110,7 +110,7 @@ static unsigned char *gltf_bake_flags(const gltf *g, const uint32_t *order) {
 
 /* NULL, or why a mesh cannot be transformed. */
 static const char *gltf_bake_obstacle(const gltf *g, uint32_t mesh) {
-    for (uint32_t i = 0; i < g->meshes[mesh].primitive_count; i++) {
+    for (uint32_t i = 0; i < g->meshes[mesh].primitive_count; ++i) {
         const gltf_primitive *primitive = &g->primitives[g->meshes[mesh].first_primitive + i];
         const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");
         if (primitive->draco.token != GLTF_NONE && primitive->not_read)
@@ -226,17 +226,17 @@ static node_fate fate_of(const baking *b, uint32_t node) {
 }
 
 static void decide_fates(baking *b) {
-    for (uint32_t i = 0; i < b->g->node_count; i++) {
+    for (uint32_t i = 0; i < b->g->node_count; ++i) {
         const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
         b->fates[node] = (unsigned char)fate_of(b, node);
         b->roots[node] = parent == GLTF_NONE ? node : b->roots[parent];
         if (b->g->nodes[node].mesh == GLTF_NONE) continue;
         if (b->fates[node] == FATE_KEEPS) {
-            b->stays[b->g->nodes[node].mesh]++;
+            ++b->stays[b->g->nodes[node].mesh];
             b->instances_left |= b->g->nodes[node].instanced;
         } else {
             b->uses += b->g->nodes[node].instances;
-            b->summary->nodes_baked++;
+            ++b->summary->nodes_baked;
         }
     }
 }
@@ -316,7 +316,7 @@ static void rehang_baked(baking *b, uint32_t node) {
 static norma_document_result raise_under_matrix(baking *b, norma_document_error *error) {
     unsigned char *wanted = norma_io_allocate((size_t)b->g->node_count + 1, 1);
     if (!wanted) return norma_document_fail_memory(b->g->document, error);
-    for (uint32_t i = 0; i < b->g->node_count; i++) {
+    for (uint32_t i = 0; i < b->g->node_count; ++i) {
         const int is_root = b->g->nodes[i].parent == GLTF_NONE;
         wanted[i] = is_root && b->under_matrix[i] && b->fates[i] != FATE_BAKED &&
                     !(b->g->nodes[i].skin != GLTF_NONE && b->tree.nodes[i].first == GLTF_NONE);
@@ -342,7 +342,7 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     b->taken[mesh] = 1;
     b->tree.nodes[holder].mesh_changed = holder >= g->node_count || number != mesh;
     b->tree.nodes[holder].mesh = number;
-    b->summary->meshes++;
+    ++b->summary->meshes;
     b->summary->mirrored |= map.mirrored;
     if (map.rank < 2)
         norma_document_add_note(g->document,
@@ -351,7 +351,7 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     const mesh_use use = {mesh, copy, node};
     const norma_document_result result =
         norma_gltf_bake_mesh(g, &b->cache, &use, &map, &b->summary->vertices, error);
-    b->done++;
+    ++b->done;
     if (!result && b->options->progress &&
         b->options->progress(b->options->progress_user, (double)b->done / (double)b->uses))
         return norma_document_fail_core(g->document, error, NORMA_CANCELLED);
@@ -384,7 +384,7 @@ static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t h
     gltf_instances instances = {0};
     norma_document_result result = take_instances(b->g, node, &instances, error);
     b->tree.nodes[node].instances_removed = 1;
-    for (size_t i = 0; !result && i < b->g->nodes[node].instances; i++) {
+    for (size_t i = 0; !result && i < b->g->nodes[node].instances; ++i) {
         double matrix[16];
         norma_gltf_instance_matrix(&instances, i, matrix);
         norma_gltf_matrix_multiply(world, matrix, matrix);
@@ -428,7 +428,7 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
 
 static norma_document_result unlist_instancing(baking *b, norma_document_error *error) {
     int removed = 0;
-    for (uint32_t i = 0; i < b->g->node_count; i++) removed |= b->tree.nodes[i].instances_removed;
+    for (uint32_t i = 0; i < b->g->node_count; ++i) removed |= b->tree.nodes[i].instances_removed;
     if (!removed || b->instances_left || norma_gltf_unlist(b->g, "EXT_mesh_gpu_instancing"))
         return NORMA_DOCUMENT_OK;
     return norma_document_fail_memory(b->g->document, error);
@@ -437,7 +437,7 @@ static norma_document_result unlist_instancing(baking *b, norma_document_error *
 static norma_document_result bake_all(baking *b, norma_document_error *error) {
     decide_fates(b);
     norma_document_result result = decide_under_matrix(b, error);
-    for (uint32_t i = 0; !result && i < b->g->node_count; i++)
+    for (uint32_t i = 0; !result && i < b->g->node_count; ++i)
         if (b->fates[b->order[i]] != FATE_KEEPS) result = bake_node(b, b->order[i], error);
     if (!result && b->moves) result = raise_under_matrix(b, error);
     if (!result) result = unlist_instancing(b, error);
@@ -629,10 +629,10 @@ static norma_document_result check_matrix(
 
 /* What is drawn by some node is what the matrix acts on. */
 static void count_drawn(const gltf *g, norma_transform_summary *summary) {
-    for (uint32_t i = 0; i < g->mesh_count; i++) {
+    for (uint32_t i = 0; i < g->mesh_count; ++i) {
         if (g->meshes[i].uses == 0) continue;
-        summary->meshes++;
-        for (uint32_t k = 0; k < g->meshes[i].primitive_count; k++)
+        ++summary->meshes;
+        for (uint32_t k = 0; k < g->meshes[i].primitive_count; ++k)
             summary->vertices += g->primitives[g->meshes[i].first_primitive + k].vertices;
     }
 }
@@ -645,7 +645,7 @@ static norma_document_result raise_all(
     norma_gltf_tree_read(g, &tree);
     norma_document_result result =
         wanted ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
-    for (uint32_t i = 0; wanted && !tree.failed && i < g->node_count; i++)
+    for (uint32_t i = 0; wanted && !tree.failed && i < g->node_count; ++i)
         wanted[i] = !(g->nodes[i].skin != GLTF_NONE && tree.nodes[i].first == GLTF_NONE);
     if (!result) {
         norma_gltf_tree_raise(&tree, wanted, matrix);

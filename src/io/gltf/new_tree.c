@@ -43,7 +43,7 @@ static void read_scenes(gltf_tree *tree) {
         return;
     }
     tree_scene *scene = tree->scenes;
-    for (uint32_t token = JSON_NONE; norma_json_each(j, scenes, &token); scene++) {
+    for (uint32_t token = JSON_NONE; norma_json_each(j, scenes, &token); ++scene) {
         const uint32_t roots = norma_json_member(j, token, "nodes");
         scene->token = token;
         for (uint32_t root = JSON_NONE; norma_json_each(j, roots, &root);) {
@@ -71,8 +71,8 @@ void norma_gltf_tree_read(gltf *g, gltf_tree *tree) {
         return;
     }
     tree->count = g->node_count;
-    for (uint32_t i = 0; i < g->node_count; i++) tree->nodes[i] = no_node;
-    for (uint32_t i = 0; i < g->node_count; i++) {
+    for (uint32_t i = 0; i < g->node_count; ++i) tree->nodes[i] = no_node;
+    for (uint32_t i = 0; i < g->node_count; ++i) {
         const uint32_t children = norma_json_member(&g->json, g->nodes[i].token, "children");
         for (uint32_t child = JSON_NONE; norma_json_each(&g->json, children, &child);) {
             uint64_t number;
@@ -85,7 +85,7 @@ void norma_gltf_tree_read(gltf *g, gltf_tree *tree) {
 }
 
 void norma_gltf_tree_free(gltf_tree *tree) {
-    for (size_t i = 0; i < tree->scene_count; i++) free(tree->scenes[i].roots);
+    for (size_t i = 0; i < tree->scene_count; ++i) free(tree->scenes[i].roots);
     free(tree->scenes);
     free(tree->nodes);
     *tree = (gltf_tree){0};
@@ -138,8 +138,8 @@ static void gltf_tree_insert_above(gltf_tree *tree, uint32_t node, uint32_t pare
                                     : &tree->nodes[child->after].before) = parent;
         tree->nodes[above].children_changed = 1;
     } else {
-        for (size_t i = 0; i < tree->scene_count; i++)
-            for (size_t k = 0; k < tree->scenes[i].count; k++)
+        for (size_t i = 0; i < tree->scene_count; ++i)
+            for (size_t k = 0; k < tree->scenes[i].count; ++k)
                 if (tree->scenes[i].roots[k] == node) {
                     tree->scenes[i].roots[k] = parent;
                     tree->scenes[i].changed = 1;
@@ -156,7 +156,7 @@ static uint32_t gltf_tree_root(const gltf_tree *tree, uint32_t node) {
 
 /* whether root is listed there */
 static int gltf_tree_shows(const gltf_tree *tree, size_t scene, uint32_t root) {
-    for (size_t k = 0; k < tree->scenes[scene].count; k++)
+    for (size_t k = 0; k < tree->scenes[scene].count; ++k)
         if (tree->scenes[scene].roots[k] == root) return 1;
     return 0;
 }
@@ -165,7 +165,7 @@ void norma_gltf_tree_make_root(gltf_tree *tree, uint32_t node) {
     if (tree->failed || tree->nodes[node].parent == GLTF_NONE) return;
     const uint32_t root = gltf_tree_root(tree, node);
     detach(tree, node);
-    for (size_t i = 0; i < tree->scene_count; i++)
+    for (size_t i = 0; i < tree->scene_count; ++i)
         if (gltf_tree_shows(tree, i, root)) {
             add_root(tree, &tree->scenes[i], node);
             tree->scenes[i].changed = 1;
@@ -182,7 +182,7 @@ static void set_form(gltf_tree *tree, uint32_t node, const double local[16], int
  * "matrix". */
 static int invertible_in_floats(const double m[16]) {
     double inverse[16];
-    for (int i = 0; i < 16; i++)
+    for (int i = 0; i < 16; ++i)
         if (fabs(m[i]) > (double)FLT_MAX) return 0;
     if (!norma_gltf_matrix_invert(m, inverse)) return 0;
     const double determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) +
@@ -227,14 +227,14 @@ typedef struct root_classes {
 
 static int allocate_classes(const gltf_tree *tree, root_classes *classes) {
     size_t most = 1;
-    for (size_t i = 0; i < tree->scene_count; i++) most += tree->scenes[i].count;
+    for (size_t i = 0; i < tree->scene_count; ++i) most += tree->scenes[i].count;
     *classes = (root_classes){.count = 1};
     classes->of = norma_io_allocate(tree->count + 1, sizeof *classes->of);
     classes->made_in = norma_io_allocate(most, sizeof *classes->made_in);
     classes->split_in = norma_io_allocate(most, sizeof *classes->split_in);
     classes->split_to = norma_io_allocate(most, sizeof *classes->split_to);
     classes->above = norma_io_allocate(most, sizeof *classes->above);
-    for (size_t i = 0; classes->above && i < most; i++) classes->above[i] = GLTF_NONE;
+    for (size_t i = 0; classes->above && i < most; ++i) classes->above[i] = GLTF_NONE;
     return classes->of && classes->made_in && classes->split_in && classes->split_to &&
            classes->above;
 }
@@ -248,9 +248,9 @@ static void free_classes(root_classes *classes) {
 }
 
 static void classify(const gltf_tree *tree, root_classes *classes) {
-    for (size_t i = 0; i < tree->scene_count; i++) {
+    for (size_t i = 0; i < tree->scene_count; ++i) {
         const uint32_t scene = (uint32_t)i + 1;
-        for (size_t k = 0; k < tree->scenes[i].count; k++) {
+        for (size_t k = 0; k < tree->scenes[i].count; ++k) {
             uint32_t *of = &classes->of[tree->scenes[i].roots[k]];
             if (classes->made_in[*of] == scene) continue; /* listed twice */
             if (classes->split_in[*of] != scene) {
@@ -265,7 +265,7 @@ static void classify(const gltf_tree *tree, root_classes *classes) {
 
 static void raise_roots(
     gltf_tree *tree, root_classes *classes, const unsigned char *wanted, const double matrix[16]) {
-    for (uint32_t i = 0; i < tree->g->node_count && !tree->failed; i++) {
+    for (uint32_t i = 0; i < tree->g->node_count && !tree->failed; ++i) {
         if (!wanted[i] || tree->g->nodes[i].parent != GLTF_NONE ||
             tree->nodes[i].parent != GLTF_NONE)
             continue;
@@ -274,10 +274,10 @@ static void raise_roots(
         if (*above != GLTF_NONE) norma_gltf_tree_give(tree, i, *above);
     }
     for (size_t i = 0; i < tree->scene_count && !tree->failed;
-         i++) { /* the new node stands where the first of its roots stood */
+         ++i) { /* the new node stands where the first of its roots stood */
         tree_scene *scene = &tree->scenes[i];
         size_t kept = 0;
-        for (size_t k = 0; k < scene->count; k++) {
+        for (size_t k = 0; k < scene->count; ++k) {
             const uint32_t root = scene->roots[k], class = classes->of[root];
             const int raised = tree->nodes[root].parent != GLTF_NONE &&
                                tree->nodes[root].parent == classes->above[class];
@@ -289,7 +289,7 @@ static void raise_roots(
         }
         scene->count = kept;
     }
-    for (uint32_t i = 0; i < classes->count; i++)
+    for (uint32_t i = 0; i < classes->count; ++i)
         if (classes->above[i] != GLTF_NONE)
             norma_gltf_tree_set_local(tree, classes->above[i], matrix);
 }
@@ -311,7 +311,7 @@ void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const d
 
 static void add_numbers(json_text *text, const double *numbers, size_t count) {
     norma_json_add_text(text, "[");
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (i) norma_json_add_text(text, ",");
         norma_json_add_number(text, numbers[i] + 0.0); /* -0 becomes 0 */
     }
@@ -429,7 +429,7 @@ static void add_node_text(const gltf_tree *tree, const tree_node *node, json_tex
 }
 
 static void append_nodes(const gltf_tree *tree, json_edits *edits) {
-    for (size_t i = tree->g->node_count; i < tree->count; i++) {
+    for (size_t i = tree->g->node_count; i < tree->count; ++i) {
         json_text text = {0};
         add_node_text(tree, &tree->nodes[i], &text);
         norma_json_append_made(edits, 0, "nodes", &text);
@@ -438,7 +438,7 @@ static void append_nodes(const gltf_tree *tree, json_edits *edits) {
 
 static void edit_scene(json_edits *edits, const tree_scene *scene) {
     json_text text = {0};
-    for (size_t i = 0; i < scene->count; i++) {
+    for (size_t i = 0; i < scene->count; ++i) {
         norma_json_add_text(&text, i ? "," : "[");
         norma_json_add_uint(&text, scene->roots[i]);
     }
@@ -449,14 +449,14 @@ static void edit_scene(json_edits *edits, const tree_scene *scene) {
 /* ---- what a node can hold */
 
 static int exceeds_floats(const double *numbers, size_t count, double *which) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (!isfinite((float)(*which = numbers[i]))) return 1;
     return 0;
 }
 
 /* Readers take a node's numbers for floats: larger ones would be infinite there. */
 static norma_document_result check_numbers(const gltf_tree *tree, norma_document_error *error) {
-    for (size_t i = 0; i < tree->count && !tree->failed; i++) {
+    for (size_t i = 0; i < tree->count && !tree->failed; ++i) {
         const tree_node *node = &tree->nodes[i];
         gltf_trs trs = {{0}, {0}, {0}};
         double number = 0;
@@ -486,9 +486,9 @@ norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_erro
             norma_gltf_check_dangling(tree->g, GLTF_LIST_NODES, error);
         if (dangling) return dangling;
     }
-    for (uint32_t i = 0; edits && i < tree->g->node_count; i++) edit_node(tree, edits, i);
+    for (uint32_t i = 0; edits && i < tree->g->node_count; ++i) edit_node(tree, edits, i);
     if (edits) append_nodes(tree, edits);
-    for (size_t i = 0; edits && i < tree->scene_count; i++)
+    for (size_t i = 0; edits && i < tree->scene_count; ++i)
         if (tree->scenes[i].changed) edit_scene(edits, &tree->scenes[i]);
     return edits && !norma_json_edits_failed(edits)
                ? NORMA_DOCUMENT_OK

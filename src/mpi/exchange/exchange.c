@@ -23,7 +23,7 @@ static void mpi_wait(MPI_Request *request) {
     enum { TESTS_AWAKE = 200 };
     const double longest = 1e-3;
     int done = 0;
-    for (int tests = 0; tests < TESTS_AWAKE && !done; tests++)
+    for (int tests = 0; tests < TESTS_AWAKE && !done; ++tests)
         MPI_Test(request, &done, MPI_STATUS_IGNORE);
     const double begin = MPI_Wtime();
     while (!done) {
@@ -109,12 +109,12 @@ int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t co
     int equal = 1;
     for (size_t begin = 0, some; begin < count; begin += some) {
         some = count - begin < AT_ONCE ? count - begin : AT_ONCE;
-        for (size_t i = 0; i < some; i++) {
+        for (size_t i = 0; i < some; ++i) {
             extremes[2 * i] = with_sign(numbers[begin + i]);
             extremes[2 * i + 1] = with_sign(~numbers[begin + i]);
         }
         norma_mpi_reduce(call, extremes, (int)(2 * some), MPI_INT64_T, MPI_MAX);
-        for (size_t i = 0; i < some; i++)
+        for (size_t i = 0; i < some; ++i)
             equal &= without_sign(extremes[2 * i]) == ~without_sign(extremes[2 * i + 1]);
     }
     return equal;
@@ -138,14 +138,14 @@ norma_result norma_mpi_lists_open(
     const mpi_call *call, const uint64_t *room, size_t record, mpi_lists *lists) {
     uint64_t total = 0;
     *lists = (mpi_lists){.record = record};
-    for (int r = 0; r < call->ranks; r++) {
+    for (int r = 0; r < call->ranks; ++r) {
         if (room[r] > INT_MAX) return NORMA_ERROR_OVERFLOW;
         total += room[r];
     }
     const norma_result result = allocate_lists(call, total, lists);
     if (result != NORMA_OK) return result;
     lists->starts[0] = 0;
-    for (int r = 0; r < call->ranks; r++) {
+    for (int r = 0; r < call->ranks; ++r) {
         lists->counts[r] = 0;
         lists->starts[r + 1] = lists->starts[r] + (int)room[r];
     }
@@ -189,7 +189,7 @@ static norma_result open_received(
     const size_t ranks = (size_t)call->ranks;
     uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
-    for (size_t r = 0; r < ranks; r++) room[r] = (uint64_t)counts[r];
+    for (size_t r = 0; r < ranks; ++r) room[r] = (uint64_t)counts[r];
     const norma_result result = norma_mpi_lists_open(call, room, record, in);
     if (result == NORMA_OK) memcpy(in->counts, counts, ranks * sizeof *counts);
     norma_core_release(call->core, room, ranks, sizeof *room);

@@ -70,7 +70,7 @@ static inline unsigned char *norma_mpi_lists_add(mpi_lists *lists, int rank) {
 }
 static inline size_t norma_mpi_lists_total(const mpi_call *call, const mpi_lists *lists) {
     size_t sum = 0;
-    for (int r = 0; r < call->ranks; r++) sum += (size_t)lists->counts[r];
+    for (int r = 0; r < call->ranks; ++r) sum += (size_t)lists->counts[r];
     return sum;
 }
 

@@ -102,7 +102,7 @@ static int find_begins(mpi_ply *p, uint64_t *begins) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint64_t face = 0;
     begins[0] = p->ply.face->begin;
-    for (int rank = 1; rank <= p->job->call.ranks && !result; rank++) {
+    for (int rank = 1; rank <= p->job->call.ranks && !result; ++rank) {
         begins[rank] = begins[rank - 1];
         for (const uint64_t end = rank_begin_of(p, rank); face < end && !result;) {
             const size_t some = chunk_before(face, end);
@@ -152,7 +152,7 @@ static int rank_take_chunk(mpi_ply *p, size_t first) {
     if (grow_corners(p, chunk->corner_count)) return 1;
     if (chunk->corner_count)
         memcpy(p->corner + p->corners, chunk->corners, chunk->corner_count * sizeof *p->corner);
-    for (size_t i = 1; p->face_starts && i <= chunk->count; i++)
+    for (size_t i = 1; p->face_starts && i <= chunk->count; ++i)
         p->face_starts[first + i] = (uint32_t)p->corners + chunk->starts[i];
     p->corners += chunk->corner_count;
     return 0;
@@ -194,7 +194,7 @@ static int rank_is_own(const mpi_ply *p, uint32_t vertex) { return vertex - p->f
 
 static size_t rank_drop_repeated(uint64_t *numbers, size_t count) {
     size_t kept = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         if (!kept || numbers[i] != numbers[kept - 1]) numbers[kept++] = numbers[i];
     return kept;
 }
@@ -202,15 +202,15 @@ static size_t rank_drop_repeated(uint64_t *numbers, size_t count) {
 static int rank_list_vertices(mpi_ply *p) {
     const core_call *core = &p->job->core;
     size_t most = 0, count = 0;
-    for (size_t c = 0; c < p->corners; c++) most += !rank_is_own(p, p->corner[c]);
+    for (size_t c = 0; c < p->corners; ++c) most += !rank_is_own(p, p->corner[c]);
     uint64_t *others = norma_core_allocate(core, most, sizeof *others);
     if (!others) return rank_fail_memory(p->job);
-    for (size_t c = 0; c < p->corners; c++)
+    for (size_t c = 0; c < p->corners; ++c)
         if (!rank_is_own(p, p->corner[c])) others[count++] = p->corner[c];
     norma_core_sort_numbers(others, count);
     count = rank_drop_repeated(others, count);
     uint64_t *ids = norma_core_allocate(core, p->own + count, sizeof *ids);
-    for (size_t i = 0; ids && i < p->own; i++) ids[i] = p->first + i;
+    for (size_t i = 0; ids && i < p->own; ++i) ids[i] = p->first + i;
     if (ids && count) memcpy(ids + p->own, others, count * sizeof *ids);
     norma_core_release(core, others, most, sizeof *others);
     if (!ids) return rank_fail_memory(p->job);
@@ -256,8 +256,8 @@ static int rank_read_positions(mpi_ply *p) {
 static int owner_of(const mpi_ply *p, uint64_t vertex) {
     const mpi_job *job = p->job;
     int rank = (int)((double)vertex / (double)job->vertices * job->call.ranks);
-    while (rank > 0 && norma_mpi_share_of(job, job->vertices, rank) > vertex) rank--;
-    while (norma_mpi_share_of(job, job->vertices, rank + 1) <= vertex) rank++;
+    while (rank > 0 && norma_mpi_share_of(job, job->vertices, rank) > vertex) --rank;
+    while (norma_mpi_share_of(job, job->vertices, rank + 1) <= vertex) ++rank;
     return rank;
 }
 
@@ -269,9 +269,9 @@ static norma_result list_wanted(const mpi_ply *p, size_t begin, size_t end, mpi_
     uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
-    for (size_t i = begin; i < end; i++) room[owner_of(p, others[i])]++;
+    for (size_t i = begin; i < end; ++i) ++room[owner_of(p, others[i])];
     const norma_result result = norma_mpi_lists_open(&p->job->call, room, sizeof(uint32_t), out);
-    for (size_t i = begin; i < end && result == NORMA_OK; i++) {
+    for (size_t i = begin; i < end && result == NORMA_OK; ++i) {
         const uint32_t vertex = (uint32_t)others[i];
         memcpy(norma_mpi_lists_add(out, owner_of(p, vertex)), &vertex, sizeof vertex);
     }
@@ -283,7 +283,7 @@ static norma_result list_positions(const mpi_ply *p, const mpi_lists *in, mpi_li
     const size_t size = norma_large_position_size(&p->ply),
                  count = norma_mpi_lists_total(&p->job->call, in);
     const norma_result result = norma_mpi_lists_like(&p->job->call, in, size, answers);
-    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
         uint32_t vertex;
         memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
         memcpy(
@@ -320,7 +320,7 @@ static norma_result fetch_others(const mpi_ply *p) {
     const uint64_t rounds = norma_mpi_largest(&p->job->call, p->others / some + 1);
     norma_result result = NORMA_OK;
     size_t begin = 0;
-    for (uint64_t round = 0; round < rounds && result == NORMA_OK; round++) {
+    for (uint64_t round = 0; round < rounds && result == NORMA_OK; ++round) {
         const size_t end = p->others - begin < some ? p->others : begin + some;
         result = fetch_some(p, begin, end);
         begin = end;
@@ -331,7 +331,7 @@ static norma_result fetch_others(const mpi_ply *p) {
 /* Collective. */
 static int rank_read_vertices(mpi_ply *p) {
     if (norma_mpi_failed(p->job, rank_list_vertices(p) || rank_read_positions(p))) return 1;
-    for (size_t c = 0; c < p->corners; c++) p->corner[c] = rank_place_of(p, p->corner[c]);
+    for (size_t c = 0; c < p->corners; ++c) p->corner[c] = rank_place_of(p, p->corner[c]);
     return norma_mpi_failed_result(p->job, fetch_others(p));
 }
 
@@ -364,10 +364,10 @@ static int rank_write_rows(
     norma_document_result result =
         norma_large_ply_stored(&p->ply, (size_t)p->first + v, count, &stored, &view);
     if (result) return fail_ply(p, result);
-    for (size_t i = 0; i < count; i++) norma_policy_point_up(normals + 3 * i);
+    for (size_t i = 0; i < count; ++i) norma_policy_point_up(normals + 3 * i);
     result = norma_ply_encode_normals(
         p->file.document, p->ply.state->edit.normal_types, normals, count, &p->error);
-    for (size_t i = 0; stored && i < 3 * count; i++)
+    for (size_t i = 0; stored && i < 3 * count; ++i)
         normals[i] = norma_policy_keep_zero(normals[i], stored[i]);
     free(stored);
     if (!result) result = norma_large_ply_write_rows(&p->ply, &view, normals, write_here, place);
@@ -505,7 +505,7 @@ static int open_kept(stl_part *p) {
     p->kept_reasons = norma_core_allocate(core, p->count, 1);
     p->ids = norma_core_allocate(core, p->count, sizeof *p->ids);
     p->keep = p->kept_positions && p->kept_normals && p->kept_reasons && p->ids;
-    for (size_t i = 0; i < p->count && p->keep; i++) p->ids[i] = p->first + i;
+    for (size_t i = 0; i < p->count && p->keep; ++i) p->ids[i] = p->first + i;
     return p->keep ? 0 : facets_fail_memory(p->job);
 }
 
@@ -532,7 +532,7 @@ static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
     norma_options options = p->job->options;
     if (norma_mpi_read(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET))
         return 1;
-    for (size_t i = 0; i < count; i++) norma_stl_load(&state, i, NULL, p->positions + 9 * i);
+    for (size_t i = 0; i < count; ++i) norma_stl_load(&state, i, NULL, p->positions + 9 * i);
     const norma_mesh mesh = {
         .positions = {.data = p->positions, .count = 3 * count}, .corner_count = 3 * count};
     options.reasons = p->reasons;
@@ -540,7 +540,7 @@ static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
     const norma_result result = norma_face_normals(&mesh, &options, p->normals, count, NULL);
     if (result != NORMA_OK)
         return norma_mpi_fail(p->job, "%s: %s", p->job->input, norma_result_text(result));
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (!p->keep) norma_core_tally(&p->tally, p->reasons[i], (size_t)p->first + begin + i);
         if (p->keep)
             memcpy(p->kept_positions + 3 * (begin + i), p->positions + 9 * i, 3 * sizeof(float));
@@ -551,7 +551,7 @@ static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
 }
 
 static int facets_write_block(stl_part *p, size_t begin, size_t count, float *normals) {
-    for (size_t i = 0; i < count; i++) norma_policy_point_up(normals + 3 * i);
+    for (size_t i = 0; i < count; ++i) norma_policy_point_up(normals + 3 * i);
     norma_stl_replace_normals(p->block, 0, count, normals);
     return norma_mpi_write(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET);
 }
@@ -609,7 +609,7 @@ int norma_mpi_compute_stl(mpi_job *job) {
     unsigned char header[STL_HEADER];
     int failed = job->size < STL_HEADER ? 0 : norma_mpi_read(job, 0, header, sizeof header);
     if (norma_mpi_failed(job, failed)) return 1;
-    for (int i = 0; i < 4; i++) facets |= (uint32_t)header[80 + i] << (8 * i);
+    for (int i = 0; i < 4; ++i) facets |= (uint32_t)header[80 + i] << (8 * i);
     if (job->size < STL_HEADER || job->size != STL_HEADER + (uint64_t)facets * STL_FACET)
         return norma_mpi_fail(job,
             "%s: is not a complete binary STL; norma-mpi does not read ASCII, use norma compute",

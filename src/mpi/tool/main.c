@@ -47,7 +47,7 @@ static int tool_refuse(settings *s, const char *word, const char *wrong) {
 }
 
 static int tool_set_weight(settings *s, const char *word) {
-    for (int w = 0; norma_weight_name((norma_weight)w); w++) {
+    for (int w = 0; norma_weight_name((norma_weight)w); ++w) {
         if (strcmp(word, norma_weight_name((norma_weight)w)) != 0) continue;
         s->job.options.weight = (norma_weight)w;
         return 1;
@@ -83,14 +83,14 @@ enum { VALUE_COUNT = sizeof VALUES / sizeof *VALUES };
 /* An option with a value; 0: refused. */
 static int set_value(settings *s, const char *name, const char *value) {
     if (!value) return tool_refuse(s, name, "needs a value");
-    for (size_t i = 0; i < VALUE_COUNT; i++)
+    for (size_t i = 0; i < VALUE_COUNT; ++i)
         if (strcmp(name, VALUES[i].name) == 0) return VALUES[i].set(s, value);
     s->job.output = value;
     return 1;
 }
 
 static int takes_value(const char *name) {
-    for (size_t i = 0; i < VALUE_COUNT; i++)
+    for (size_t i = 0; i < VALUE_COUNT; ++i)
         if (strcmp(name, VALUES[i].name) == 0) return 1;
     return strcmp(name, "-o") == 0;
 }
@@ -120,10 +120,10 @@ static int tool_check_output(settings *s) {
 }
 
 static int read_arguments(settings *s, int argc, char **argv) {
-    for (int i = 2; i < argc; i++) {
+    for (int i = 2; i < argc; ++i) {
         if (takes_value(argv[i])) {
             if (!set_value(s, argv[i], i + 1 < argc ? argv[i + 1] : NULL)) return 0;
-            i++;
+            ++i;
         } else if (argv[i][0] == '-') {
             if (!set_flag(s, argv[i])) return 0;
         } else if (s->job.input) {
@@ -144,7 +144,7 @@ static int read_arguments(settings *s, int argc, char **argv) {
 
 static void tool_print_text(const char *text) { /* as JSON */
     putchar('"');
-    for (const unsigned char *at = (const unsigned char *)text; *at; at++) {
+    for (const unsigned char *at = (const unsigned char *)text; *at; ++at) {
         if (*at == '"' || *at == '\\')
             printf("\\%c", *at);
         else if (*at < 0x20)
@@ -174,7 +174,7 @@ static void print_json(const mpi_job *job, uint64_t memory) {
         r->degenerate_faces.count, r->cancelled.count, r->unreferenced.count, r->non_finite.count);
     printf(", \"ranks\": %d, \"most_memory_of_a_rank\": %llu", job->call.ranks,
         (unsigned long long)memory);
-    for (int i = 0; i < MPI_CARGOS; i++)
+    for (int i = 0; i < MPI_CARGOS; ++i)
         printf("%s\"%s\": %llu", i ? ", " : ", \"sent\": {", CARGOS[i],
             (unsigned long long)job->call.sent[i]);
     printf("}}\n");
@@ -202,7 +202,7 @@ static void print_summary(const settings *s, uint64_t memory) {
 static int has_extension(const char *path, const char *extension) {
     const size_t length = strlen(path), tail = strlen(extension);
     if (length < tail) return 0;
-    for (size_t i = 0; i < tail; i++)
+    for (size_t i = 0; i < tail; ++i)
         if ((path[length - tail + i] | 0x20) != extension[i] && extension[i] != '.') return 0;
     return 1;
 }
@@ -251,7 +251,7 @@ static int tool_run_all(settings *s, int understood) {
 }
 
 static int asks_for(int argc, char **argv, const char *word) {
-    for (int i = 1; i < argc; i++)
+    for (int i = 1; i < argc; ++i)
         if (strcmp(argv[i], word) == 0) return 1;
     return 0;
 }

@@ -7,7 +7,7 @@
 enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
 
 static int ascend(const uint64_t *ids, size_t count) {
-    for (size_t i = 1; i < count; i++)
+    for (size_t i = 1; i < count; ++i)
         if (ids[i - 1] > ids[i]) return 0;
     return 1;
 }
@@ -18,20 +18,20 @@ static size_t radix_digit(uint64_t id, int shift) { return (size_t)(id >> shift)
 static void sort_by_digit(
     const uint64_t *ids, size_t count, int shift, const uint32_t *from, uint32_t *to) {
     uint32_t starts[DIGITS] = {0}, sum = 0;
-    for (size_t i = 0; i < count; i++) starts[radix_digit(ids[i], shift)]++;
-    for (size_t d = 0; d < DIGITS; d++) {
+    for (size_t i = 0; i < count; ++i) ++starts[radix_digit(ids[i], shift)];
+    for (size_t d = 0; d < DIGITS; ++d) {
         const uint32_t here = starts[d];
         starts[d] = sum;
         sum += here;
     }
-    for (size_t i = 0; i < count; i++) to[starts[radix_digit(ids[from[i]], shift)]++] = from[i];
+    for (size_t i = 0; i < count; ++i) to[starts[radix_digit(ids[from[i]], shift)]++] = from[i];
 }
 
 /* Returns the array that holds the result. */
 static uint32_t *sort_places(
     const uint64_t *ids, size_t count, uint32_t *places, uint32_t *others) {
     uint64_t differ = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         differ |= ids[i] ^ ids[0];
         places[i] = (uint32_t)i;
     }

@@ -23,7 +23,7 @@ static norma_result list_points(const mpi_call *call, const core_mesh *mesh, mpi
     room[0] = mesh->positions.count;
     const norma_result result = norma_mpi_lists_open(call, room, POINT, out);
     norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < mesh->positions.count && result == NORMA_OK; v++) {
+    for (size_t v = 0; v < mesh->positions.count && result == NORMA_OK; ++v) {
         double p[3];
         norma_view_read(&mesh->positions, v, p);
         memcpy(norma_mpi_lists_add(out, 0), p, POINT);
@@ -42,7 +42,7 @@ static norma_result weld_points(
     norma_result result = norma_core_weld(call->core, &all);
     if (result != NORMA_OK) return result;
     result = norma_mpi_lists_like(call, in, sizeof(uint32_t), answers);
-    for (size_t i = 0; i < all.positions.count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < all.positions.count && result == NORMA_OK; ++i) {
         const uint32_t group = norma_core_welded(&all, (uint32_t)i);
         memcpy(norma_mpi_record(answers, i), &group, sizeof group);
     }
@@ -54,7 +54,7 @@ static norma_result read_groups(
     const mpi_call *call, const mpi_lists *back, size_t count, uint64_t **groups) {
     *groups = norma_core_allocate(call->core, count, sizeof **groups);
     if (!*groups) return NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         uint32_t group;
         memcpy(&group, norma_mpi_record(back, v), sizeof group);
         (*groups)[v] = group;
@@ -122,7 +122,7 @@ static int ranks_agree_on_options(const mpi_call *call) {
     uint64_t numbers[] = {(uint64_t)o->weight, (uint64_t)o->weld, (uint64_t)o->non_manifold,
         (uint64_t)o->fallback, 0, 0, 0, 0};
     if (o->weld == NORMA_WELD_DISTANCE) numbers[4] = mpi_bits_of(o->weld_distance + 0.0);
-    for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
+    for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; ++k)
         numbers[5 + k] = mpi_bits_of((double)o->fallback_normal[k] + 0.0);
     return norma_mpi_all_equal(call, numbers, sizeof numbers / sizeof *numbers);
 }
@@ -176,7 +176,7 @@ typedef struct number_keys {
 
 static void hash_numbers(const void *context, size_t first, size_t count, uint64_t *hashes) {
     const number_keys *keys = context;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         hashes[i] = norma_core_weld_mix(keys->numbers[first + i] * UINT64_C(0x9e3779b97f4a7c15));
 }
 
@@ -186,7 +186,7 @@ static int same_number(const void *context, uint32_t one, uint32_t other) {
 }
 
 static int numbers_ascend(const uint64_t *numbers, size_t count) {
-    for (size_t i = 1; i < count; i++)
+    for (size_t i = 1; i < count; ++i)
         if (numbers[i - 1] >= numbers[i]) return 0;
     return 1;
 }
@@ -309,7 +309,7 @@ static void write_key(const mpi_keys *keys, size_t v, unsigned char *key) {
         return;
     }
     norma_core_position(keys->mesh, (uint32_t)v, p);
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; ++k) {
         const double exact = p[k] + 0.0;
         const float single = (float)exact;
         if (keys->doubles)
@@ -356,7 +356,7 @@ static void join_marks(void *in, void *inout, int *count, MPI_Datatype *type) {
     const cell_marks *one = in;
     cell_marks *other = inout;
     (void)type;
-    for (int i = 0; i < *count; i++) {
+    for (int i = 0; i < *count; ++i) {
         other[i].several |= one[i].several | (one[i].any & other[i].any);
         other[i].any |= one[i].any;
     }
@@ -369,14 +369,14 @@ static void size_cells(const share_work *work, share_cells *cells) {
     const uint64_t most = norma_mpi_largest(work->call, count);
     for (cells->count = LEAST_MARKS; cells->count < most && cells->count < MOST_MARKS;)
         cells->count *= 2;
-    for (size_t v = 0; v < count; v++) {
+    for (size_t v = 0; v < count; ++v) {
         if (work->part[v] == MPI_ABSENT) continue;
         if (work->keys->numbers) {
             if (work->keys->numbers[v] > last) last = work->keys->numbers[v];
             continue;
         }
         norma_core_position(work->keys->mesh, (uint32_t)v, p);
-        for (size_t k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; ++k) {
             if (-p[k] > ends[k]) ends[k] = -p[k];
             if (p[k] > ends[3 + k]) ends[3 + k] = p[k];
         }
@@ -385,7 +385,7 @@ static void size_cells(const share_work *work, share_cells *cells) {
     cells->step = norma_mpi_largest(work->call, last) / of_numbers + 1;
     norma_mpi_reduce(work->call, ends, 6, MPI_DOUBLE, MPI_MAX);
     double extent = 0;
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; ++k) {
         cells->low[k] = -ends[k];
         if (ends[3 + k] + ends[k] > extent) extent = ends[3 + k] + ends[k];
     }
@@ -401,7 +401,7 @@ static size_t mark_of(const share_work *work, const share_cells *cells, size_t v
     } else {
         double p[3];
         norma_core_position(work->keys->mesh, (uint32_t)v, p);
-        for (size_t k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; ++k)
             cell = cell << 21 | (uint64_t)((p[k] - cells->low[k]) * cells->scale);
     }
     return (size_t)(norma_core_weld_mix(cell * UINT64_C(0x9e3779b97f4a7c15)) & (cells->count - 1));
@@ -419,7 +419,7 @@ static norma_result mark_cells(const share_work *work, share_cells *cells) {
     const norma_result result = norma_mpi_agree(call, cells->marks ? NORMA_OK : NORMA_ERROR_MEMORY);
     if (result != NORMA_OK) return result;
     memset(cells->marks, 0, cells->count / 64 * sizeof *cells->marks);
-    for (size_t v = 0; v < work->sharing->count; v++) {
+    for (size_t v = 0; v < work->sharing->count; ++v) {
         if (work->part[v] == MPI_ABSENT) continue;
         const size_t mark = mark_of(work, cells, v);
         cells->marks[mark / 64].any |= UINT64_C(1) << mark % 64;
@@ -466,7 +466,7 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
     share_cells cells;
     uint64_t sent = 0;
     const norma_result result = mark_cells(work, &cells);
-    for (size_t v = 0; v < work->sharing->count && result == NORMA_OK; v++) {
+    for (size_t v = 0; v < work->sharing->count && result == NORMA_OK; ++v) {
         mpi_place place = norma_mpi_place(MPI_NOWHERE, 0, 0);
         if (work->part[v] != MPI_ABSENT) {
             const int far = stays_here(work, &cells, v);
@@ -478,7 +478,7 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
     norma_core_release(work->call->core, cells.marks, cells.count / 64, sizeof *cells.marks);
     if (result != NORMA_OK) return result;
     work->rounds = rounds_for(work, budget, sent);
-    for (size_t v = 0; v < work->sharing->count && sent; v++) {
+    for (size_t v = 0; v < work->sharing->count && sent; ++v) {
         const mpi_place place = norma_mpi_place_at(work->sharing, v);
         if (norma_mpi_kind(place) != MPI_NOWHERE || !norma_mpi_slot(place)) continue;
         write_key(work->keys, v, key);
@@ -491,7 +491,7 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
 
 /* The positions of this round. */
 static void for_round(share_work *work, share_see *see, void *context) {
-    for (size_t v = 0; v < work->sharing->count; v++) {
+    for (size_t v = 0; v < work->sharing->count; ++v) {
         const mpi_place place = norma_mpi_place_at(work->sharing, v);
         if (norma_mpi_kind(place) == MPI_NOWHERE && norma_mpi_slot(place) == work->round + 1)
             see(work, v, norma_mpi_home(place), context);
@@ -500,7 +500,7 @@ static void for_round(share_work *work, share_see *see, void *context) {
 
 static void count_one(share_work *work, size_t v, int home, void *context) {
     (void)work, (void)v;
-    ((uint64_t *)context)[home]++;
+    ++((uint64_t *)context)[home];
 }
 
 static void send_one(share_work *work, size_t v, int home, void *context) {
@@ -574,7 +574,7 @@ static void group_record(key_table *table, size_t record) {
     }
     key_group *group = &table->groups[*slot - 1];
     table->group_of[record] = *slot - 1;
-    group->ranks++;
+    ++group->ranks;
     group->voters += key[table->key_size] == MPI_VOTES;
 }
 
@@ -585,7 +585,7 @@ static int mpi_is_alone(const share_work *work, const key_group *group) {
 
 static norma_result mpi_give_slots(const share_work *work, key_table *table) {
     uint64_t *slots = &work->sharing->slots[work->call->rank];
-    for (uint32_t g = 0; g < table->group_count; g++) {
+    for (uint32_t g = 0; g < table->group_count; ++g) {
         if (mpi_is_alone(work, &table->groups[g])) continue;
         if (*slots >= MOST_SLOTS) return NORMA_ERROR_OVERFLOW;
         table->groups[g].answer = (uint32_t)(*slots)++;
@@ -608,12 +608,12 @@ static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi
         .in = in, .key_size = work->key_size, .count = norma_mpi_lists_total(work->call, in)};
     norma_result result = open_table(work->call, &table);
     if (result == NORMA_OK) {
-        for (size_t i = 0; i < table.count; i++) group_record(&table, i);
+        for (size_t i = 0; i < table.count; ++i) group_record(&table, i);
         result = mpi_give_slots(work, &table);
     }
     if (result == NORMA_OK)
         result = norma_mpi_lists_like(work->call, in, sizeof(uint32_t), answers);
-    for (size_t i = 0; i < table.count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < table.count && result == NORMA_OK; ++i) {
         const int votes = norma_mpi_record(in, i)[work->key_size] == MPI_VOTES;
         const uint32_t answer = answer_to(work, &table.groups[table.group_of[i]], votes);
         memcpy(norma_mpi_record(answers, i), &answer, sizeof answer);
@@ -649,7 +649,7 @@ static void read_one(share_work *work, size_t v, int home, void *context) {
 
 static size_t count_lent(const mpi_call *call, const mpi_lists *answers) {
     size_t lent = 0;
-    for (size_t i = 0; i < (size_t)answers->starts[call->ranks]; i++) {
+    for (size_t i = 0; i < (size_t)answers->starts[call->ranks]; ++i) {
         uint32_t answer;
         memcpy(&answer, norma_mpi_record(answers, i), sizeof answer);
         lent += answer >> ANSWER_BITS == ANSWER_LENT;
@@ -727,7 +727,7 @@ norma_result norma_mpi_share(mpi_call *call, const mpi_keys *keys, const uint8_t
     *sharing = (mpi_sharing){.count = keys->mesh->positions.count, .own = 1};
     norma_result result = norma_mpi_agree(call, open_sharing(call, sharing));
     if (result == NORMA_OK) result = plan_rounds(&work, budget);
-    for (; work.round < work.rounds && result == NORMA_OK; work.round++) result = run_round(&work);
+    for (; work.round < work.rounds && result == NORMA_OK; ++work.round) result = run_round(&work);
     if (result == NORMA_OK) {
         const uint64_t mine = sharing->slots[call->rank];
         MPI_Allgather(&mine, 1, MPI_UINT64_T, sharing->slots, 1, MPI_UINT64_T, call->comm);

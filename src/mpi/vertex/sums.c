@@ -20,7 +20,7 @@ static void visit_one(const mpi_visit *visit, size_t f) {
         if (face.flags & CORE_FACE_FINITE) visit->degenerate(visit->context, f);
         return;
     }
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
         if (!norma_core_is_kept(mesh, f, c)) continue;
         visit->vote(visit->context, f, c,
             norma_core_corner_weight(mesh, mpi_weight_of(visit), f, &face, c), face.normal);
@@ -30,7 +30,7 @@ static void visit_one(const mpi_visit *visit, size_t f) {
 static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane, size_t f) {
     const double normal[3] = {
         batch->normal[0][lane], batch->normal[1][lane], batch->normal[2][lane]};
-    for (size_t k = 0; k < 3; k++)
+    for (size_t k = 0; k < 3; ++k)
         visit->vote(visit->context, f, 3 * f + k, batch->weight[k][lane], normal);
 }
 
@@ -39,7 +39,7 @@ static void visit_triangles(const mpi_visit *visit, const size_t *faces, int cou
     core_batch batch;
     const unsigned decided = norma_core_measure_triangles(
         prepared->call, &prepared->mesh, mpi_weight_of(visit), faces, (size_t)count, &batch);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (decided >> i & 1U)
             visit_lane(visit, &batch, i, faces[i]);
         else
@@ -52,7 +52,7 @@ static void visit_triangles(const mpi_visit *visit, const size_t *faces, int cou
 static void mpi_visit_votes(const mpi_visit *visit) {
     size_t faces[CORE_LANES];
     int count = 0;
-    for (size_t i = 0; i < visit->faces->count; i++) {
+    for (size_t i = 0; i < visit->faces->count; ++i) {
         const size_t f = norma_mpi_face(visit->faces, i);
         if (!visit->wants(visit->context, f)) continue;
         if (visit->prepared->mesh.face_starts) {
@@ -120,7 +120,7 @@ static int comes_first(const merge *m, int a, int b) {
 
 static void sink(merge *m, int at) {
     for (int child = 2 * at + 1; child < m->waiting; child = 2 * at + 1) {
-        if (child + 1 < m->waiting && comes_first(m, m->heap[child + 1], m->heap[child])) child++;
+        if (child + 1 < m->waiting && comes_first(m, m->heap[child + 1], m->heap[child])) ++child;
         if (!comes_first(m, m->heap[child], m->heap[at])) return;
         const int rank = m->heap[at];
         m->heap[at] = m->heap[child];
@@ -138,7 +138,7 @@ static void look_at_next(merge *m, int rank) {
 }
 
 static void begin_merge(merge *m, int ranks) {
-    for (int r = 0; r < ranks; r++) {
+    for (int r = 0; r < ranks; ++r) {
         m->next[r] = m->in->starts[r];
         if (is_over(m, r)) continue;
         look_at_next(m, r);
@@ -161,7 +161,7 @@ static const unsigned char *take_first(merge *m) {
 typedef void vote_taker(void *context, const slot_vote *v);
 
 static void take_in_order(const mpi_lists *in, size_t count, vote_taker *take, void *context) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         slot_vote v;
         read_vote(norma_mpi_record(in, i), &v);
         take(context, &v);
@@ -216,7 +216,7 @@ static norma_result sum_slots(const mpi_home *home) {
     if (!s.sums) return NORMA_ERROR_MEMORY;
     norma_core_clear_sums(s.sums, home->count);
     const norma_result result = take_all(home, add_vote, &s);
-    for (size_t i = 0; i < home->count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < home->count && result == NORMA_OK; ++i) {
         mpi_outcome outcome = {{0, 0, 0}, 0};
         outcome.reason = (uint32_t)mpi_resolve(&s.sums[i], outcome.normal);
         home->outcomes[home->first + i] = outcome;
@@ -241,12 +241,12 @@ static void mpi_keep_normal(void *context, const slot_vote *v) {
 static void place_slots(const mpi_home *home, slot_normals *s, size_t votes) {
     uint32_t sum = 0;
     memset(s->ends, 0, home->count * sizeof *s->ends);
-    for (size_t i = 0; i < votes; i++) {
+    for (size_t i = 0; i < votes; ++i) {
         slot_vote v;
         read_vote(norma_mpi_record(home->in, i), &v);
-        s->ends[v.slot - home->first]++;
+        ++s->ends[v.slot - home->first];
     }
-    for (size_t i = 0; i < home->count; i++) {
+    for (size_t i = 0; i < home->count; ++i) {
         const uint32_t count = s->ends[i];
         s->ends[i] = sum;
         sum += count;
@@ -276,7 +276,7 @@ static norma_result see_slots(const mpi_home *home) {
         place_slots(home, &s, votes);
         result = take_all(home, mpi_keep_normal, &s);
     }
-    for (size_t i = 0; i < home->count && result == NORMA_OK; i++)
+    for (size_t i = 0; i < home->count && result == NORMA_OK; ++i)
         home->outcomes[home->first + i] = see(&s, i);
     norma_core_release(core, s.normals, votes, sizeof *s.normals);
     norma_core_release(core, s.ends, home->count, sizeof *s.ends);
@@ -314,7 +314,7 @@ static uint64_t first_slot(const sum_rounds *r, int home, uint64_t round) {
     return slots / r->rounds * round + slots % r->rounds * round / r->rounds;
 }
 static void begin_round(sum_rounds *r) {
-    for (int home = 0; home < r->call->ranks; home++) {
+    for (int home = 0; home < r->call->ranks; ++home) {
         r->first[home] = first_slot(r, home, r->round);
         r->count[home] = first_slot(r, home, r->round + 1) - r->first[home];
     }
@@ -332,8 +332,8 @@ static uint64_t round_of_slot(const sum_rounds *r, mpi_place place) {
     const int home = norma_mpi_home(place);
     const uint64_t slot = norma_mpi_slot(place);
     uint64_t round = slot * r->rounds / r->sums->sharing->slots[home];
-    while (round && first_slot(r, home, round) > slot) round--;
-    while (first_slot(r, home, round + 1) <= slot) round++;
+    while (round && first_slot(r, home, round) > slot) --round;
+    while (first_slot(r, home, round + 1) <= slot) ++round;
     return round;
 }
 
@@ -351,7 +351,7 @@ static int wants_face(const void *context, size_t f) {
     const sum_rounds *r = context;
     const core_mesh *mesh = &r->sums->prepared->mesh;
     if (!r->round && r->sums->degenerate) return 1;
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
         if (r->round && !may_be_now(r, c)) continue;
         const mpi_place place = place_of_corner(r->sums, c);
         if (is_now(r, place) || (!r->round && norma_mpi_kind(place) == MPI_OWN)) return 1;
@@ -386,7 +386,7 @@ static void take_degenerate(void *context, size_t face) {
 /* Their sums are complete after the first round's faces; nobody else votes where they go. */
 static void send_loans(const sum_rounds *r) {
     const mpi_sharing *sharing = r->sums->sharing;
-    for (size_t i = 0; i < sharing->loan_count; i++) {
+    for (size_t i = 0; i < sharing->loan_count; ++i) {
         const core_vertex_sum *sum = &r->sums->own[sharing->loans[i].sum];
         if (!is_now(r, sharing->loans[i].place) || !norma_core_has_votes(sum)) continue;
         send_vote(r, sharing->loans[i].place, UINT64_MAX,
@@ -400,15 +400,15 @@ static void send_loans(const sum_rounds *r) {
 static void count_votes(const sum_rounds *r, int all) {
     const mpi_sharing *sharing = r->sums->sharing;
     memset(r->room, 0, (size_t)r->call->ranks * sizeof *r->room);
-    for (size_t c = 0; c < r->sums->prepared->mesh.corner_count; c++) {
+    for (size_t c = 0; c < r->sums->prepared->mesh.corner_count; ++c) {
         if (!all && !may_be_now(r, c)) continue;
         const mpi_place place = place_of_corner(r->sums, c);
         if (all ? norma_mpi_kind(place) == MPI_SHARED : is_now(r, place))
-            r->room[norma_mpi_home(place)]++;
+            ++r->room[norma_mpi_home(place)];
     }
-    for (size_t i = 0; i < sharing->loan_count; i++) {
+    for (size_t i = 0; i < sharing->loan_count; ++i) {
         const mpi_place place = sharing->loans[i].place;
-        if (all || is_now(r, place)) r->room[norma_mpi_home(place)]++;
+        if (all || is_now(r, place)) ++r->room[norma_mpi_home(place)];
     }
 }
 
@@ -417,7 +417,7 @@ static norma_result note_rounds(sum_rounds *r) {
     if (r->rounds == 1) return NORMA_OK;
     r->corner_rounds = norma_core_allocate(r->call->core, corners, 1);
     if (!r->corner_rounds) return NORMA_ERROR_MEMORY;
-    for (size_t c = 0; c < corners; c++) {
+    for (size_t c = 0; c < corners; ++c) {
         const mpi_place place = place_of_corner(r->sums, c);
         const int shared = norma_mpi_kind(place) == MPI_SHARED;
         r->corner_rounds[c] = shared ? round_mark(round_of_slot(r, place)) : 0;
@@ -434,7 +434,7 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
         size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
         if (most < LEAST_VOTES) most = LEAST_VOTES;
         count_votes(r, 1);
-        for (size_t i = 0; i < ranks; i++) sent += r->room[i];
+        for (size_t i = 0; i < ranks; ++i) sent += r->room[i];
         MPI_Allreduce(r->room, counts, r->call->ranks, MPI_UINT64_T, MPI_SUM, r->call->comm);
         if (counts[r->call->rank] > sent) sent = counts[r->call->rank];
         r->rounds = norma_mpi_largest(r->call, sent / most + 1);
@@ -497,7 +497,7 @@ norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
     norma_result result = open_sums(call, sums);
     result = norma_mpi_agree(call, r.first && r.count && r.room ? result : NORMA_ERROR_MEMORY);
     if (result == NORMA_OK) result = choose_rounds(&r, budget);
-    for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = mpi_run_round(&r);
+    for (; r.round < r.rounds && result == NORMA_OK; ++r.round) result = mpi_run_round(&r);
     norma_core_release(call->core, r.first, ranks, sizeof *r.first);
     norma_core_release(call->core, r.count, ranks, sizeof *r.count);
     norma_core_release(call->core, r.room, ranks, sizeof *r.room);
@@ -538,11 +538,11 @@ static norma_result list_questions(const hand_out *h, mpi_lists *out) {
     uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
-    for (size_t v = h->begin; v < h->end; v++)
-        if (is_at_home(mpi_place_of(h->sums, v))) room[norma_mpi_home(mpi_place_of(h->sums, v))]++;
+    for (size_t v = h->begin; v < h->end; ++v)
+        if (is_at_home(mpi_place_of(h->sums, v))) ++room[norma_mpi_home(mpi_place_of(h->sums, v))];
     const norma_result result = norma_mpi_lists_open(h->call, room, sizeof(uint32_t), out);
     norma_core_release(core, room, ranks, sizeof *room);
-    for (size_t v = h->begin; v < h->end && result == NORMA_OK; v++) {
+    for (size_t v = h->begin; v < h->end && result == NORMA_OK; ++v) {
         const mpi_place place = mpi_place_of(h->sums, v);
         const uint32_t slot = (uint32_t)norma_mpi_slot(place);
         if (is_at_home(place))
@@ -554,7 +554,7 @@ static norma_result list_questions(const hand_out *h, mpi_lists *out) {
 static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_lists *answers) {
     const norma_result result = norma_mpi_lists_like(h->call, in, OUTCOME_SIZE, answers);
     const size_t count = norma_mpi_lists_total(h->call, in);
-    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
         uint32_t slot;
         memcpy(&slot, norma_mpi_record(in, i), sizeof slot);
         const mpi_outcome *outcome = &h->sums->outcomes[slot];
@@ -587,7 +587,7 @@ static norma_result receive_some(
     int *next = norma_core_allocate(h->call->core, ranks, sizeof *next);
     if (!next) return NORMA_ERROR_MEMORY;
     memcpy(next, back->starts, ranks * sizeof *next);
-    for (size_t v = h->begin; v < h->end; v++) receive_one(h, v, back, next, receive, context);
+    for (size_t v = h->begin; v < h->end; ++v) receive_one(h, v, back, next, receive, context);
     norma_core_release(h->call->core, next, ranks, sizeof *next);
     return NORMA_OK;
 }
@@ -619,7 +619,7 @@ norma_result norma_mpi_hand_out(
     hand_out h = {.call = call, .sums = sums};
     const uint64_t rounds = norma_mpi_largest(call, count / some + 1);
     norma_result result = NORMA_OK;
-    for (uint64_t round = 0; round < rounds && result == NORMA_OK; round++) {
+    for (uint64_t round = 0; round < rounds && result == NORMA_OK; ++round) {
         h.begin = h.end;
         h.end = count - h.begin < some ? count : h.begin + some;
         result = hand_out_some(&h, receive, context);

@@ -15,11 +15,11 @@ static norma_result list_vertices_without_normal(
     uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
-    for (size_t v = 0; v < part->positions; v++)
-        if (reasons[v]) room[norma_mpi_home_of_number(call, part->vertex_ids[v])]++;
+    for (size_t v = 0; v < part->positions; ++v)
+        if (reasons[v]) ++room[norma_mpi_home_of_number(call, part->vertex_ids[v])];
     const norma_result result = norma_mpi_lists_open(call, room, MISSING_SIZE, out);
     norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < part->positions && result == NORMA_OK; v++) {
+    for (size_t v = 0; v < part->positions && result == NORMA_OK; ++v) {
         if (!reasons[v]) continue;
         unsigned char *record =
             norma_mpi_lists_add(out, norma_mpi_home_of_number(call, part->vertex_ids[v]));
@@ -40,7 +40,7 @@ static void count_numbers(const mpi_call *call, const mpi_lists *in, core_tally 
     const size_t count = norma_mpi_lists_total(call, in);
     uint64_t number, before = 0;
     norma_core_sort(in->bytes, count, MISSING_SIZE, record_less);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const unsigned char *record = norma_mpi_record(in, i);
         memcpy(&number, record, sizeof number);
         if (!i || number != before) norma_core_tally(tally, record[sizeof number], (size_t)number);
@@ -53,7 +53,7 @@ static norma_result mpi_count_missing(
     mpi_call *call, const mpi_part *part, const uint8_t *reasons, core_tally *tally) {
     mpi_lists out = {0}, in = {0};
     uint64_t any = 0;
-    for (size_t v = 0; v < part->positions; v++) any |= reasons[v];
+    for (size_t v = 0; v < part->positions; ++v) any |= reasons[v];
     if (!norma_mpi_largest(call, any)) return NORMA_OK;
     const norma_result result = norma_mpi_exchange(
         call, MPI_OTHERS, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
@@ -69,9 +69,9 @@ void norma_mpi_add_tallies(const mpi_call *call, core_tally *tally) {
     norma_count *const counts[4] = {
         &tally->non_finite, &tally->unreferenced, &tally->cancelled, &tally->degenerate};
     uint64_t sums[4];
-    for (size_t i = 0; i < 4; i++) sums[i] = counts[i]->count;
+    for (size_t i = 0; i < 4; ++i) sums[i] = counts[i]->count;
     norma_mpi_reduce(call, sums, 4, MPI_UINT64_T, MPI_SUM);
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; ++i) {
         if (!sums[i]) continue;
         const uint64_t first =
             norma_mpi_least(call, counts[i]->count ? counts[i]->first : UINT64_MAX);
@@ -117,7 +117,7 @@ static norma_result mpi_collect(sites *s, const uint8_t *reasons) {
     if (result == NORMA_OK && order.order &&
         !(s->rank_of = norma_core_allocate(core, positions, sizeof *s->rank_of)))
         result = NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < positions && result == NORMA_OK; i++) {
+    for (size_t i = 0; i < positions && result == NORMA_OK; ++i) {
         const size_t v = norma_mpi_face(&order, i);
         if (s->rank_of) s->rank_of[v] = (uint32_t)i;
         if (!reasons[v]) s->sites[s->count++] = (uint32_t)v;
@@ -147,7 +147,7 @@ static void close_sites(sites *s) {
 static double mpi_squared_distance(const sites *s, uint32_t v, const double point[3]) {
     double p[3], sum = 0;
     norma_core_position(&s->mesh, v, p);
-    for (int k = 0; k < 3; k++) sum += (p[k] - point[k]) * (p[k] - point[k]);
+    for (int k = 0; k < 3; ++k) sum += (p[k] - point[k]) * (p[k] - point[k]);
     return sum;
 }
 
@@ -155,7 +155,7 @@ static double mpi_squared_distance(const sites *s, uint32_t v, const double poin
 static uint32_t mpi_look_at_every_site(const sites *s, const double point[3]) {
     uint32_t best = s->sites[0];
     double least = mpi_squared_distance(s, best, point);
-    for (size_t i = 1; i < s->count; i++) {
+    for (size_t i = 1; i < s->count; ++i) {
         const double distance = mpi_squared_distance(s, s->sites[i], point);
         if (!(distance < least)) continue;
         least = distance;
@@ -166,7 +166,7 @@ static uint32_t mpi_look_at_every_site(const sites *s, const double point[3]) {
 
 static uint32_t first_site(const sites *s) {
     uint32_t first = s->sites[0];
-    for (size_t i = 1; i < s->count && s->planted; i++) { /* the tree has reordered them */
+    for (size_t i = 1; i < s->count && s->planted; ++i) { /* the tree has reordered them */
         const uint64_t *ids = s->part->vertex_ids;
         if (ids[s->sites[i]] < ids[first]) first = s->sites[i];
     }
@@ -197,7 +197,7 @@ static void keep_nearer(void *in, void *inout, int *count, MPI_Datatype *type) {
     const found *one = in;
     found *other = inout;
     (void)type;
-    for (int i = 0; i < *count; i++)
+    for (int i = 0; i < *count; ++i)
         if (is_nearer(&one[i], &other[i])) other[i] = one[i];
 }
 
@@ -218,7 +218,7 @@ typedef struct asking {
 
 static int gather_mine(asking *a, int most) {
     int count = 0;
-    for (; a->next < a->sites->part->positions && count < most; a->next++) {
+    for (; a->next < a->sites->part->positions && count < most; ++a->next) {
         if (!a->reasons[a->next]) continue;
         a->askers[count] = (uint32_t)a->next;
         norma_core_position(&a->sites->mesh, (uint32_t)a->next, a->mine[count++].point);
@@ -228,7 +228,7 @@ static int gather_mine(asking *a, int most) {
 
 static int place_counts(const asking *a) {
     int sum = 0;
-    for (int r = 0; r < a->sites->call->ranks; r++) {
+    for (int r = 0; r < a->sites->call->ranks; ++r) {
         a->starts[r] = sum;
         sum += a->counts[r];
     }
@@ -247,9 +247,9 @@ static int ask_some(asking *a) {
         (uint64_t)mine * sizeof *a->mine * (uint64_t)(call->ranks - 1);
     MPI_Allgatherv(
         a->mine, mine, a->query_type, a->all, a->counts, a->starts, a->query_type, call->comm);
-    for (int i = 0; i < all; i++) a->found[i] = find_here(a->sites, a->first, &a->all[i]);
+    for (int i = 0; i < all; ++i) a->found[i] = find_here(a->sites, a->first, &a->all[i]);
     MPI_Allreduce(MPI_IN_PLACE, a->found, all, a->found_type, a->nearer, call->comm);
-    for (int i = 0; i < mine; i++) {
+    for (int i = 0; i < mine; ++i) {
         const found *f = &a->found[a->starts[call->rank] + i];
         const float none[3] = {0, 0, 0};
         norma_core_write_normal(output, a->askers[i], f->distance < 0 ? none : f->normal);
@@ -298,7 +298,7 @@ static void ask_all(asking *a) {
 norma_result norma_mpi_fill_nearest(mpi_call *call, const mpi_part *part, const uint8_t *reasons) {
     sites s = {.call = call, .part = part, .mesh = part->prepared.mesh};
     uint64_t mine = 0;
-    for (size_t v = 0; v < part->positions; v++) mine += reasons[v] != 0;
+    for (size_t v = 0; v < part->positions; ++v) mine += reasons[v] != 0;
     const uint64_t queries = norma_mpi_sum(call, mine);
     if (!queries) return NORMA_OK;
     asking a = {.sites = &s, .reasons = reasons};
@@ -373,9 +373,9 @@ static norma_result take_part(vertex_work *work, const uint32_t *merge, int reas
         norma_mpi_agree(work->call, work->take_part ? NORMA_OK : NORMA_ERROR_MEMORY);
     if (result != NORMA_OK) return result;
     memset(work->take_part, MPI_ABSENT, work->part->positions);
-    for (size_t v = 0; v < work->part->positions; v++)
+    for (size_t v = 0; v < work->part->positions; ++v)
         if (work->reasons[v] == reason) work->take_part[merged(merge, v)] = MPI_LISTENS;
-    for (size_t c = 0; c < mesh->corner_count; c++) {
+    for (size_t c = 0; c < mesh->corner_count; ++c) {
         const uint32_t v = norma_core_corner(mesh, c);
         if (work->reasons[v] == reason) work->take_part[merged(merge, v)] = MPI_VOTES;
     }
@@ -387,7 +387,7 @@ static norma_result take_part(vertex_work *work, const uint32_t *merge, int reas
 /* A position that is not finite has no votes, and is equal to nothing that has. */
 static void mpi_judge_positions(const vertex_work *work) {
     const core_mesh *mesh = &work->part->prepared.mesh;
-    for (size_t v = 0; v < work->part->positions; v++) {
+    for (size_t v = 0; v < work->part->positions; ++v) {
         double p[3];
         norma_core_position(mesh, (uint32_t)v, p);
         work->reasons[v] =
@@ -416,7 +416,7 @@ static norma_result mpi_sum_own(vertex_work *work) {
     const mpi_part *part = work->part;
     uint32_t *same = NULL;
     uint64_t cancelled = 0;
-    for (size_t v = 0; v < part->positions; v++)
+    for (size_t v = 0; v < part->positions; ++v)
         cancelled += work->reasons[v] == NORMA_REASON_CANCELLED;
     if (work->call->core->options.weld == NORMA_WELD_NONE ||
         !norma_mpi_largest(work->call, cancelled))
@@ -438,7 +438,7 @@ static norma_result mpi_sum_own(vertex_work *work) {
 static void write_missing(const vertex_work *work) {
     const float none[3] = {0, 0, 0};
     core_tally here = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
-    for (size_t v = 0; v < work->part->positions; v++) {
+    for (size_t v = 0; v < work->part->positions; ++v) {
         if (work->reasons[v])
             norma_core_write_element(&work->part->output, v, work->reasons[v], none, &here);
         else if (work->part->output.reasons)
@@ -495,7 +495,7 @@ norma_result norma_mpi_normals_of(MPI_Comm comm, uint64_t *sent, const norma_mes
     const norma_result result = norma_mpi_begin(&call, comm, &core);
     if (result != NORMA_OK) return result;
     const norma_result computed = mpi_compute(&call, begun, &input, report);
-    for (int i = 0; sent && i < MPI_CARGOS; i++) sent[i] += call.sent[i];
+    for (int i = 0; sent && i < MPI_CARGOS; ++i) sent[i] += call.sent[i];
     norma_mpi_end(&call);
     return computed;
 }

@@ -6,7 +6,7 @@
 
 static void print_bits(const char *what, const float *numbers, size_t count) {
     printf("%s", what);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
         memcpy(&bits, &numbers[i], sizeof bits);
         printf(" %08lx", (unsigned long)bits);
@@ -28,7 +28,7 @@ int main(void) {
         .face_count = 6};
     float normals[72], matrix[9];
 
-    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; weight++) {
+    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; ++weight) {
         const norma_options options = {
             .struct_size = sizeof options, .weight = (norma_weight)weight, .threads = 2};
         if (norma_vertex_normals(&mesh, &options, normals, 24, NULL) != NORMA_OK) return 1;

@@ -37,7 +37,7 @@ static int is_same_finding(const norma_finding *a, const norma_finding *b) {
     int same = a->rule == b->rule && a->severity == b->severity && a->fix == b->fix &&
                a->count == b->count && a->sample_count == b->sample_count &&
                !strcmp(a->where, b->where) && !strcmp(a->message, b->message);
-    for (size_t i = 0; same && i < a->sample_count; i++)
+    for (size_t i = 0; same && i < a->sample_count; ++i)
         same = is_same_sample(&a->samples[i], &b->samples[i]);
     return same;
 }
@@ -45,7 +45,7 @@ static int is_same_finding(const norma_finding *a, const norma_finding *b) {
 static size_t count_differences(const norma_findings *a, const norma_findings *b, uint64_t seed) {
     const size_t count = norma_findings_count(a);
     size_t differ = count != norma_findings_count(b);
-    for (size_t i = 0; !differ && i < count; i++) {
+    for (size_t i = 0; !differ && i < count; ++i) {
         const norma_finding *is = norma_findings_get(a, i), *was = norma_findings_get(b, i);
         if (is_same_finding(is, was)) continue;
         printf("# seed %llu: %s %s\n#   %s\n", (unsigned long long)seed, is->rule->id, is->message,
@@ -69,8 +69,8 @@ static size_t judge_again(
     const size_t differ = count_differences(was, again[0], seed) +
                           count_differences(is, again[1], seed) +
                           count_differences(was, again[2], seed);
-    for (size_t i = 0; i < COUNT_OF(again); i++) norma_findings_free(again[i]);
-    for (size_t i = 0; i < meshes; i++) norma_check_close_judge(&judges[i]);
+    for (size_t i = 0; i < COUNT_OF(again); ++i) norma_findings_free(again[i]);
+    for (size_t i = 0; i < meshes; ++i) norma_check_close_judge(&judges[i]);
     free(judges);
     norma_findings_free(is);
     norma_findings_free(was);
@@ -89,7 +89,7 @@ static void what_is_known_is_what_is_found(void **state) {
             !norma_fix_document(after, &broken.options, broken.unsafe, &summary, NULL) &&
             summary.changed) {
             differ += judge_again(before, after, broken.options.profile, seed);
-            changed++;
+            ++changed;
         }
         norma_document_close(before);
         norma_document_close(after);

@@ -29,17 +29,17 @@ static void rotation(const double axis[3], double degrees, double sign, matrix3 
                  c = cos(degrees / DEGREES), s = sin(degrees / DEGREES);
     const double a[3] = {axis[0] / length, axis[1] / length, axis[2] / length};
     const matrix3 cross = {{0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
             out[i][k] = sign * ((i == k) * c + s * cross[i][k] + (1 - c) * a[i] * a[k]);
 }
 
 static void apply(matrix3 m, float *vectors, size_t count) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         double to[3] = {0};
-        for (int r = 0; r < 3; r++)
-            for (int k = 0; k < 3; k++) to[r] += m[r][k] * (double)vectors[3 * i + (size_t)k];
-        for (int r = 0; r < 3; r++) vectors[3 * i + (size_t)r] = (float)to[r];
+        for (int r = 0; r < 3; ++r)
+            for (int k = 0; k < 3; ++k) to[r] += m[r][k] * (double)vectors[3 * i + (size_t)k];
+        for (int r = 0; r < 3; ++r) vectors[3 * i + (size_t)r] = (float)to[r];
     }
 }
 
@@ -80,7 +80,7 @@ static const frame_case cases[] = {
 /* A torus has symmetries that a rotation could be mistaken for: it is dented on one side. */
 static surface dented(void) {
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t i = 0; i < s.vertices; i++) {
+    for (size_t i = 0; i < s.vertices; ++i) {
         float *p = &s.positions[3 * i], *n = &s.normals[3 * i];
         /* A shear, under which normals go with its inverse transpose. */
         p[0] += .3f * p[1];
@@ -88,14 +88,14 @@ static surface dented(void) {
         n[1] -= .3f * n[0];
         n[0] -= .2f * n[2];
         const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (int k = 0; k < 3; k++) n[k] /= length;
+        for (int k = 0; k < 3; ++k) n[k] /= length;
     }
     return s;
 }
 
 static void frames_are_named(void **state) {
     (void)state;
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+    for (size_t i = 0; i < COUNT_OF(cases); ++i) {
         surface s = dented();
         matrix3 m;
         rotation(cases[i].axis, cases[i].degrees, cases[i].sign, m);
@@ -109,13 +109,13 @@ static void frames_are_named(void **state) {
 
 static void a_surface_turned_with_its_normals_is_fine(void **state) {
     (void)state;
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+    for (size_t i = 0; i < COUNT_OF(cases); ++i) {
         surface s = dented();
         matrix3 m;
         rotation(cases[i].axis, cases[i].degrees, cases[i].sign, m);
         apply(m, s.normals, s.vertices);
         apply(m, s.positions, s.vertices);
-        for (size_t f = 0; f < s.faces && cases[i].sign < 0; f++) surface_turn_face(&s, f);
+        for (size_t f = 0; f < s.faces && cases[i].sign < 0; ++f) surface_turn_face(&s, f);
         (void)look(&s, "N206", NORMA_SEVERITY_NONE);
         assert_false(findings_trouble(found));
         surface_free(&s);
@@ -126,7 +126,7 @@ static void a_surface_turned_with_its_normals_is_fine(void **state) {
 static void scattered_normals_have_no_frame(void **state) {
     (void)state;
     surface s = dented();
-    for (size_t i = 0; i < s.vertices; i++) {
+    for (size_t i = 0; i < s.vertices; ++i) {
         matrix3 m;
         const double axis[3] = {sin((double)i * 12.9898), cos((double)i * 78.233), .1};
         rotation(axis, 60, 1, m);
@@ -140,8 +140,8 @@ static void scattered_normals_have_no_frame(void **state) {
 static void a_part_is_no_frame(void **state) {
     (void)state;
     surface s = surface_soup(dented());
-    for (size_t f = 0; f < s.faces / 3; f++)
-        for (size_t k = 0; k < 9; k++) s.normals[9 * f + k] = -s.normals[9 * f + k];
+    for (size_t f = 0; f < s.faces / 3; ++f)
+        for (size_t k = 0; k < 9; ++k) s.normals[9 * f + k] = -s.normals[9 * f + k];
     assert_non_null(look(&s, "N201", NORMA_SEVERITY_ERROR));
     assert_silent("N206");
     surface_free(&s);
@@ -152,7 +152,7 @@ static void a_part_is_no_frame(void **state) {
 static void a_wrong_winding_is_no_frame(void **state) {
     (void)state;
     surface s = dented();
-    for (size_t f = 0; f < s.faces; f++) surface_turn_face(&s, f);
+    for (size_t f = 0; f < s.faces; ++f) surface_turn_face(&s, f);
     const norma_finding *f = look(&s, "N201", NORMA_SEVERITY_ERROR);
     assert_non_null(f);
     assert_int_equal(f->count, s.faces);
@@ -168,15 +168,15 @@ static surface sheet(void) {
     const double origin[3] = {0, 0, 0};
     surface s = surface_box(origin, 1, 0);
     s.vertices = s.faces = 0;
-    for (int y = 0; y <= SIDE; y++)
-        for (int x = 0; x <= SIDE; x++) {
+    for (int y = 0; y <= SIDE; ++y)
+        for (int x = 0; x <= SIDE; ++x) {
             const double slope = .05 * cos(x), length = sqrt(1 + slope * slope);
             const float p[3] = {(float)x, (float)y, (float)(.05 * sin(x))},
                         n[3] = {(float)(slope / length), 0, (float)(-1 / length)};
             surface_add_vertex(&s, p, n);
         }
-    for (uint32_t y = 0; y < SIDE; y++)
-        for (uint32_t x = 0; x < SIDE; x++) {
+    for (uint32_t y = 0; y < SIDE; ++y)
+        for (uint32_t x = 0; x < SIDE; ++x) {
             const uint32_t at = y * (SIDE + 1) + x;
             surface_add_face(&s, (const uint32_t[3]){at, at + 1, at + SIDE + 2});
             surface_add_face(&s, (const uint32_t[3]){at, at + SIDE + 2, at + SIDE + 1});

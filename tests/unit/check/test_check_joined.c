@@ -28,14 +28,14 @@ static void add_side(part *p, const float low[3], const float high[3], int side,
     const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3, up = side % 2;
     static const int square[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const size_t first = p->vertices;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         float *to = p->positions[p->vertices++];
         to[axis] = up ? high[axis] : low[axis];
         to[u] = square[i][0] ? high[u] : low[u];
         to[v] = square[i][1] ? high[v] : low[v];
     }
     const int turned = (up == 0) != (inward != 0);
-    for (int t = 0; t < 2; t++) {
+    for (int t = 0; t < 2; ++t) {
         p->corners[p->count++] = (uint16_t)first;
         p->corners[p->count++] = (uint16_t)(first + (size_t)(turned ? t + 2 : t + 1));
         p->corners[p->count++] = (uint16_t)(first + (size_t)(turned ? t + 1 : t + 2));
@@ -44,13 +44,13 @@ static void add_side(part *p, const float low[3], const float high[3], int side,
 
 static void add_box(part *p, float from, float to, int inward) {
     const float low[3] = {from, from, from}, high[3] = {to, to, to};
-    for (int side = 0; side < 6; side++) add_side(p, low, high, side, inward);
+    for (int side = 0; side < 6; ++side) add_side(p, low, high, side, inward);
 }
 
 /* One mesh with these for primitives. */
 static norma_document *open_parts(gltf_asset *a, const part *parts, int count) {
     char rest[2000] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[";
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         char primitive[100];
         const int positions = asset_floats(a, &parts[i].positions[0][0], parts[i].vertices, 3),
                   corners = asset_uint16(a, parts[i].corners, parts[i].count);
@@ -77,7 +77,7 @@ static void has_only(norma_document *document, const expected *wanted, size_t co
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_findings_count(findings), count);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         assert_string_equal(f->rule->id, wanted[i].rule);
         assert_string_equal(f->where, wanted[i].where);
@@ -97,7 +97,7 @@ static void has_open_edges(norma_document *document, norma_check_profile profile
     const norma_check_options options = {
         .struct_size = sizeof options, .rules = mask, .profile = profile};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         sum += norma_findings_get(findings, i)->count;
     assert_int_equal(sum, count);
     norma_findings_free(findings);
@@ -117,12 +117,12 @@ static void mends(norma_document *document, int rays, const char *rules, uint8_t
     assert_int_equal(summary.changed, 1);
     unsigned char *bytes = scene_output(document, &size);
     document = scene_reopen(bytes, size, "a.glb");
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         norma_mesh_data data;
         assert_int_equal(
             norma_document_mesh_data(document, (size_t)i, &data, NULL), NORMA_DOCUMENT_OK);
         assert_int_equal(data.mesh.corner_count, parts[i].count);
-        for (size_t c = 0; c < parts[i].count; c++) {
+        for (size_t c = 0; c < parts[i].count; ++c) {
             const size_t from = !turned[i][c / 3] || c % 3 == 0 ? c : c % 3 == 1 ? c + 1 : c - 1;
             assert_int_equal(((const uint32_t *)data.mesh.corners)[c], parts[i].corners[from]);
         }
@@ -140,14 +140,14 @@ static const float low[3] = {0, 0, 0}, high[3] = {1, 2, 3};
 
 static void cut_box(part parts[3], int inward) {
     memset(parts, 0, 3 * sizeof *parts);
-    for (int side = 0; side < 6; side++) add_side(&parts[side / 2], low, high, side, inward);
+    for (int side = 0; side < 6; ++side) add_side(&parts[side / 2], low, high, side, inward);
 }
 
 static void test_cut(void **state) {
     (void)state;
     static part parts[3];
     static uint8_t all[3][MOST] = {{1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}};
-    for (int inward = 0; inward < 2; inward++) {
+    for (int inward = 0; inward < 2; ++inward) {
         gltf_asset a = {0};
         cut_box(parts, inward);
         norma_document *document = open_parts(&a, parts, 3);
@@ -167,7 +167,7 @@ static void test_open(void **state) {
     static part parts[2];
     gltf_asset a = {0};
     memset(parts, 0, sizeof parts);
-    for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 0);
+    for (int side = 0; side < 5; ++side) add_side(&parts[side > 1], low, high, side, 0);
     norma_document *document = open_parts(&a, parts, 2);
     has_only(document, &(expected){"N304", "/meshes/0/primitives/0", 1, 1, NORMA_SEVERITY_INFO}, 1);
     has_open_edges(document, NORMA_CHECK_PROFILE_PRINT, 4);
@@ -184,7 +184,7 @@ static void test_rays(void **state) {
     gltf_asset a = {0};
     norma_fix_summary summary;
     memset(parts, 0, sizeof parts);
-    for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 1);
+    for (int side = 0; side < 5; ++side) add_side(&parts[side > 1], low, high, side, 1);
     norma_document *document = open_parts(&a, parts, 2);
     uint8_t mask[128] = {0};
     assert_int_equal(norma_rules_select("N304,N302", mask, NULL), NORMA_OK);
@@ -206,8 +206,8 @@ static void test_rays(void **state) {
 static void test_cavity(void **state) {
     (void)state;
     static part parts[2];
-    for (int outer = 0; outer < 2; outer++)
-        for (int inner = 0; inner < 2; inner++) { /* nonzero: looks inward */
+    for (int outer = 0; outer < 2; ++outer)
+        for (int inner = 0; inner < 2; ++inner) { /* nonzero: looks inward */
             gltf_asset a = {0};
             memset(parts, 0, sizeof parts);
             add_box(&parts[0], 0, 3, outer);
@@ -235,7 +235,7 @@ static void has_whole_component(norma_document *document, size_t begin, size_t e
     uint8_t mask[128] = {0};
     norma_findings *findings;
     assert_int_equal(norma_rules_select("N302", mask, NULL), NORMA_OK);
-    for (int whole = 0; whole < 2; whole++) {
+    for (int whole = 0; whole < 2; ++whole) {
         const norma_check_options options = {.struct_size = sizeof options,
             .rules = mask,
             .max_samples = 100,
@@ -249,7 +249,7 @@ static void has_whole_component(norma_document *document, size_t begin, size_t e
         assert_int_equal(f->sample_count, whole ? end - begin : 1);
         assert_int_equal(f->samples[0].face, begin);
         assert_true(f->worst.face == begin);
-        for (size_t i = 0; i < f->sample_count; i++) {
+        for (size_t i = 0; i < f->sample_count; ++i) {
             assert_in_range(f->samples[i].face, begin, end - 1);
             assert_int_equal(seen[f->samples[i].face]++, 0);
         }
@@ -266,7 +266,7 @@ static void test_touching(void **state) {
     static const float beside[3] = {1, 2, 0}, end[3] = {2, 4, 3};
     gltf_asset a = {0};
     memset(parts, 0, sizeof parts);
-    for (int side = 0; side < 6; side++) {
+    for (int side = 0; side < 6; ++side) {
         add_side(&parts[0], low, high, side, 0);
         add_side(&parts[1], beside, end, side, 1);
     }
@@ -312,7 +312,7 @@ static void takes(norma_document *document, size_t size, size_t said, int surplu
     const norma_check_options *given = (const norma_check_options *)(const void *)block;
     const norma_document_result wanted = good ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_ARGUMENT;
     assert_int_equal(norma_check_document(document, given, &findings, NULL), wanted);
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         if (strcmp(f->rule->id, "N302") == 0)
             assert_int_equal(f->sample_count, size < sizeof options ? 1 : 12);
@@ -352,9 +352,9 @@ static norma_document *open_cylinder(gltf_asset *a, float normals[2][STRIP][3]) 
     float positions[2][STRIP][3];
     uint16_t corners[6 * (COLUMNS - 1) * (ROWS - 1)];
     size_t count = 0;
-    for (int half = 0; half < 2; half++)
-        for (int y = 0; y < ROWS; y++)
-            for (int x = 0; x < COLUMNS; x++) {
+    for (int half = 0; half < 2; ++half)
+        for (int y = 0; y < ROWS; ++y)
+            for (int x = 0; x < COLUMNS; ++x) {
                 const double angle = QUARTER * (half * (COLUMNS - 1) + x) / (2 * COLUMNS - 2),
                              shaded = angle + (half == 1 && x == 0 ? TURNED : 0);
                 const float position[3] = {(float)cos(angle), (float)y / 4, (float)-sin(angle)},
@@ -362,13 +362,13 @@ static norma_document *open_cylinder(gltf_asset *a, float normals[2][STRIP][3]) 
                 memcpy(positions[half][y * COLUMNS + x], position, sizeof position);
                 memcpy(normals[half][y * COLUMNS + x], normal, sizeof normal);
             }
-    for (int y = 0; y + 1 < ROWS; y++)
-        for (int x = 0; x + 1 < COLUMNS; x++) {
+    for (int y = 0; y + 1 < ROWS; ++y)
+        for (int x = 0; x + 1 < COLUMNS; ++x) {
             const int at = y * COLUMNS + x,
                       quad[6] = {at, at + 1, at + COLUMNS + 1, at, at + COLUMNS + 1, at + COLUMNS};
-            for (int k = 0; k < 6; k++) corners[count++] = (uint16_t)quad[k];
+            for (int k = 0; k < 6; ++k) corners[count++] = (uint16_t)quad[k];
         }
-    for (int half = 0; half < 2; half++) {
+    for (int half = 0; half < 2; ++half) {
         asset_floats(a, &positions[half][0][0], STRIP, 3);
         asset_floats(a, &normals[half][0][0], STRIP, 3);
     }
@@ -387,7 +387,7 @@ static size_t count_seams(norma_document *document) {
     assert_int_equal(norma_rules_select("N501", mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
@@ -413,11 +413,11 @@ static void test_seam(void **state) {
     assert_int_equal(count_seams(document), 0);
     assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 0);
-    for (int half = 0; half < 2; half++) {
+    for (int half = 0; half < 2; ++half) {
         norma_mesh_data data;
         assert_int_equal(
             norma_document_mesh_data(document, (size_t)half, &data, NULL), NORMA_DOCUMENT_OK);
-        for (int v = 0; v < STRIP; v++) {
+        for (int v = 0; v < STRIP; ++v) {
             const float *n = (const float *)data.normals.data + 3 * v;
             const int row = v / COLUMNS, border = v % COLUMNS == (half == 0 ? COLUMNS - 1 : 0) &&
                                                   row > 0 && row + 1 < ROWS;

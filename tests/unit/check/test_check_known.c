@@ -21,7 +21,7 @@ static norma_findings *findings_of(const char *name) {
 /* Over all primitives. */
 static size_t sum_of(const norma_findings *findings, const char *id, norma_severity severity) {
     size_t sum = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         if (!strcmp(f->rule->id, id) &&
             (severity == NORMA_SEVERITY_NONE || f->severity == severity))
@@ -75,7 +75,7 @@ static const known answers[] = {
 static void known_answers_are_found(void **state) {
     (void)state;
     if (!data_folder()) skip();
-    for (size_t i = 0; i < COUNT_OF(answers); i++) {
+    for (size_t i = 0; i < COUNT_OF(answers); ++i) {
         norma_findings *findings = findings_of(answers[i].name);
         const size_t count = sum_of(findings, answers[i].rule, answers[i].severity);
         if (count != answers[i].count)
@@ -92,7 +92,7 @@ static void stale_normals_are_found(void **state) {
     if (!data_folder()) skip();
     static const char *const stale[] = {
         "obj/dcc/sausage.obj", "obj/dcc/cube-six-smoothing-groups.obj"};
-    for (size_t i = 0; i < COUNT_OF(stale); i++) {
+    for (size_t i = 0; i < COUNT_OF(stale); ++i) {
         norma_findings *findings = findings_of(stale[i]);
         assert_int_equal(sum_of(findings, "N206", NORMA_SEVERITY_ERROR), 1);
         norma_findings_free(findings);
@@ -105,7 +105,7 @@ static void cavities_are_no_fault(void **state) {
     static const char *const scans[] = {"large/medical/headsq-skin.ply",
         "large/medical/headsq-bone.ply", "large/medical/mni152-brain.ply"};
     if (!data_folder()) skip();
-    for (size_t i = 0; i < COUNT_OF(scans); i++) {
+    for (size_t i = 0; i < COUNT_OF(scans); ++i) {
         norma_findings *findings = findings_of(scans[i]);
         assert_int_equal(sum_of(findings, "N302", NORMA_SEVERITY_NONE), 0);
         norma_findings_free(findings);
@@ -127,9 +127,9 @@ static void makings_are_told(void **state) {
         {"obj/wuson.obj", NORMA_SHADING_SMOOTH, NORMA_WEIGHT_UNIFORM},
     };
     if (!data_folder()) skip();
-    for (size_t i = 0; i < COUNT_OF(made); i++) {
+    for (size_t i = 0; i < COUNT_OF(made); ++i) {
         norma_findings *findings = findings_of(made[i].name);
-        for (size_t k = 0; k < norma_findings_count(findings); k++) {
+        for (size_t k = 0; k < norma_findings_count(findings); ++k) {
             const norma_deviation *d = norma_findings_get(findings, k)->deviation;
             if (!d) continue;
             if (d->shading != made[i].shading ||
@@ -167,9 +167,9 @@ static void right_ones_are_left_alone(void **state) {
         "ply/fish-double.ply",
     };
     if (!data_folder()) skip();
-    for (size_t i = 0; i < COUNT_OF(clean); i++) {
+    for (size_t i = 0; i < COUNT_OF(clean); ++i) {
         norma_findings *findings = findings_of(clean[i]);
-        for (size_t k = 0; k < norma_findings_count(findings); k++) {
+        for (size_t k = 0; k < norma_findings_count(findings); ++k) {
             const norma_finding *f = norma_findings_get(findings, k);
             if (f->severity > NORMA_SEVERITY_INFO && f->rule->id[1] != '6' &&
                 strncmp(f->where, "/images/", 8) != 0) /* which the data set left out */

@@ -24,15 +24,15 @@ typedef struct image {
 
 static void encode(uint8_t out[3], double x, double y, double z) {
     const double length = sqrt(x * x + y * y + z * z), n[3] = {x, y, z};
-    for (int k = 0; k < 3; k++) out[k] = (uint8_t)lround((n[k] / length + 1) * 127.5);
+    for (int k = 0; k < 3; ++k) out[k] = (uint8_t)lround((n[k] / length + 1) * 127.5);
 }
 
 /* Heights h(u, v) by their slopes; v runs down, and glTF's green up. */
 typedef void slope_at(double u, double v, double *across, double *down);
 
 static void paint(image *im, slope_at *slope) {
-    for (int y = 0; y < SIDE; y++)
-        for (int x = 0; x < SIDE; x++) {
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 0; x < SIDE; ++x) {
             double across, down;
             slope((x + .5) / SIDE, (y + .5) / SIDE, &across, &down);
             encode(im->texels[y * SIDE + x], -across, down, 1);
@@ -61,20 +61,20 @@ static void stripes(double u, double v, double *across, double *down) {
 }
 
 static void turn_green(image *im) {
-    for (size_t i = 0; i < SIDE * SIDE; i++) im->texels[i][1] = (uint8_t)(255 - im->texels[i][1]);
+    for (size_t i = 0; i < SIDE * SIDE; ++i) im->texels[i][1] = (uint8_t)(255 - im->texels[i][1]);
 }
 
 static uint32_t next(uint32_t *seed) { return *seed = *seed * 1664525 + 1013904223; }
 
 /* Unit vectors that belong to no surface. */
 static void paint_noise(image *im, uint32_t seed) {
-    for (size_t i = 0; i < SIDE * SIDE; i++)
+    for (size_t i = 0; i < SIDE * SIDE; ++i)
         encode(im->texels[i], (int)(next(&seed) >> 20) / 2048. - 1,
             (int)(next(&seed) >> 20) / 2048. - 1, 1.5);
 }
 
 static void fill(image *im, uint8_t r, uint8_t g, uint8_t b) {
-    for (size_t i = 0; i < SIDE * SIDE; i++)
+    for (size_t i = 0; i < SIDE * SIDE; ++i)
         im->texels[i][0] = r, im->texels[i][1] = g, im->texels[i][2] = b;
 }
 
@@ -168,7 +168,7 @@ static norma_findings *check_bytes(const void *bytes, size_t size, const shown *
 static const char *rules_of(norma_findings *findings, char message[400]) {
     static char text[100];
     text[0] = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         assert_int_equal(f->severity, NORMA_SEVERITY_WARNING);
         assert_int_equal(f->count, 1);
@@ -189,7 +189,7 @@ static const char *found(const image *im, const shown *s) {
     void *bytes = write_png(im, &size);
     snprintf(first, sizeof first, "%s", rules_of(check_bytes(bytes, size, s), NULL));
     free(bytes);
-    for (int progressive = 0; progressive < 2; progressive++) {
+    for (int progressive = 0; progressive < 2; ++progressive) {
         bytes = write_jpeg(im, 95, progressive, &size);
         assert_string_equal(rules_of(check_bytes(bytes, size, s), NULL), first);
         free(bytes);
@@ -204,9 +204,9 @@ static void test_not_unit(void **state) {
     static image im;
     paint(&im, hills);
     assert_string_equal(found(&im, &whole), "");
-    for (size_t y = 0; y < SIDE; y++) /* a photograph in the right half */
-        for (size_t x = SIDE / 2; x < SIDE; x++)
-            for (size_t k = 0; k < 3; k++)
+    for (size_t y = 0; y < SIDE; ++y) /* a photograph in the right half */
+        for (size_t x = SIDE / 2; x < SIDE; ++x)
+            for (size_t k = 0; k < 3; ++k)
                 im.texels[y * SIDE + x][k] = (uint8_t)(40 + (x * 7 + y * 3 + k * 50) % 60);
     assert_string_equal(found(&im, &whole), "N811");
     assert_string_equal(found(&im, &(shown){{0, 0}, {.5F, 1}, "", ""}), "");
@@ -219,9 +219,9 @@ static void test_not_unit(void **state) {
 static void test_below_surface(void **state) {
     (void)state;
     static image im;
-    for (size_t i = 0; i < SIDE * SIDE; i++) encode(im.texels[i], .3, i % 2 ? .2 : .1, -1);
+    for (size_t i = 0; i < SIDE * SIDE; ++i) encode(im.texels[i], .3, i % 2 ? .2 : .1, -1);
     assert_string_equal(found(&im, &whole), "N811");
-    for (size_t i = 0; i < SIDE * SIDE; i++) encode(im.texels[i], .3, i % 2 ? .2 : .1, 1);
+    for (size_t i = 0; i < SIDE * SIDE; ++i) encode(im.texels[i], .3, i % 2 ? .2 : .1, 1);
     assert_string_equal(found(&im, &whole), "");
 }
 
@@ -229,7 +229,7 @@ static void test_where_it_is_looked_up(void **state) {
     (void)state;
     static image im;
     fill(&im, 128, 128, 255);
-    for (size_t i = 0; i < SIDE * SIDE; i++) /* the lower left quarter is grey */
+    for (size_t i = 0; i < SIDE * SIDE; ++i) /* the lower left quarter is grey */
         if (i % SIDE < SIDE / 2 && i / SIDE >= SIDE / 2)
             memset(im.texels[i], (int)(90 + i % 30), 3);
     const shown corner = {{.05F, .05F}, {.45F, .45F}, "", ""};
@@ -259,7 +259,7 @@ static void test_one_value(void **state) {
     static const uint8_t flat[][3] = {{128, 128, 255}, {127, 127, 255}, {127, 128, 255}};
     static image im;
     char message[400];
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         fill(&im, flat[i][0], flat[i][1], flat[i][2]);
         size_t size;
         void *bytes = write_png(&im, &size);
@@ -280,7 +280,7 @@ static void test_green(void **state) {
     (void)state;
     static slope_at *const surfaces[] = {hills, studs};
     static image im;
-    for (size_t i = 0; i < sizeof surfaces / sizeof *surfaces; i++) {
+    for (size_t i = 0; i < sizeof surfaces / sizeof *surfaces; ++i) {
         paint(&im, surfaces[i]);
         assert_string_equal(found(&im, &whole), "");
         turn_green(&im);
@@ -296,9 +296,9 @@ static void test_green_undecided(void **state) {
     (void)state;
     static image im;
     paint(&im, stripes);
-    for (int turned = 0; turned < 2; turned++, turn_green(&im))
+    for (int turned = 0; turned < 2; ++turned, turn_green(&im))
         assert_string_equal(found(&im, &whole), "");
-    for (uint32_t seed = 0; seed < 20; seed++) {
+    for (uint32_t seed = 0; seed < 20; ++seed) {
         paint_noise(&im, seed);
         size_t size;
         void *bytes = write_png(&im, &size);
@@ -349,7 +349,7 @@ static void fix_green(norma_document *document) {
     norma_document_error error;
     assert_int_equal(norma_rules_select("N812", mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    for (int again = 0; again < 2; again++) {
+    for (int again = 0; again < 2; ++again) {
         if (norma_fix_document(document, &options, 1, &summary, &error))
             fail_msg("%s", error.message);
         assert_int_equal(summary.changed, !again);
@@ -362,7 +362,7 @@ static void test_turn_jpeg(void **state) {
     static image im, was, now;
     paint(&im, hills);
     turn_green(&im);
-    for (int progressive = 0; progressive < 2; progressive++) {
+    for (int progressive = 0; progressive < 2; ++progressive) {
         size_t size;
         uint8_t *bytes = write_jpeg(&im, 95, progressive, &size);
         gltf_asset a = {0};
@@ -396,7 +396,7 @@ static void test_damaged(void **state) {
     (void)state;
     static image im;
     paint(&im, hills);
-    for (int kind = 0; kind < 3; kind++) {
+    for (int kind = 0; kind < 3; ++kind) {
         size_t size;
         uint8_t *bytes = kind ? write_jpeg(&im, 85, kind - 1, &size) : write_png(&im, &size);
         for (size_t cut = 1; cut < size - 40; cut += size / 23)

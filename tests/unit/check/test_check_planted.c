@@ -47,7 +47,7 @@ static void clean_surfaces_stay_clean(void **state) {
         surface_box(origin, 1, 0),
         surface_join(surface_box(origin, 3, 0), surface_box(origin, 1, 1)),
         surface_soup(surface_torus(32, 16))};
-    for (size_t i = 0; i < COUNT_OF(all); i++) {
+    for (size_t i = 0; i < COUNT_OF(all); ++i) {
         (void)in_render(&all[i], "N001", NORMA_SEVERITY_NONE);
         assert_false(findings_trouble(found));
         (void)in_print(&all[i], "N001", NORMA_SEVERITY_NONE);
@@ -66,7 +66,7 @@ static void set_normal(surface *s, size_t vertex, double x, double y, double z) 
 }
 
 static void scale_normal(surface *s, size_t vertex, double by) {
-    for (size_t k = 0; k < 3; k++)
+    for (size_t k = 0; k < 3; ++k)
         s->normals[3 * vertex + k] = (float)((double)s->normals[3 * vertex + k] * by);
 }
 
@@ -119,7 +119,7 @@ static void faces_without_a_place(void **state) {
     assert_int_equal(f->worst.face, f->samples[0].face);
     uint8_t rules[64];
     memset(rules, 1, sizeof rules);
-    for (size_t i = 0, count = 0; i < sizeof rules; i++) {
+    for (size_t i = 0, count = 0; i < sizeof rules; ++i) {
         const norma_rule *all = norma_rules(&count);
         if (i < count && !strcmp(all[i].id, "N002")) rules[i] = 0;
     }
@@ -134,14 +134,14 @@ static void faces_without_a_place(void **state) {
 static void opposing_normals(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
-    for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * 500 + k, -1);
+    for (size_t k = 0; k < 3; ++k) scale_normal(&s, 3 * 500 + k, -1);
     const norma_finding *f = in_render(&s, "N201", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, 500);
     assert_true(f->worst_value > 175);
     assert_found(finding_of(found, "N202", NORMA_SEVERITY_INFO), 3);
-    for (size_t face = 1000; face < 1000 + s.faces / 50; face++)
-        for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * face + k, -1);
+    for (size_t face = 1000; face < 1000 + s.faces / 50; ++face)
+        for (size_t k = 0; k < 3; ++k) scale_normal(&s, 3 * face + k, -1);
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 1 + s.faces / 50);
     s.mesh.material.double_sided = 1;
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_INFO), 1 + s.faces / 50);
@@ -149,14 +149,14 @@ static void opposing_normals(void **state) {
     assert_non_null(finding_of(found, "N202", NORMA_SEVERITY_INFO));
     surface_free(&s);
     s = surface_soup(surface_torus(AROUND, ACROSS)); /* two corners of three are not all */
-    for (size_t k = 0; k < 2; k++) scale_normal(&s, 3 * 500 + k, -1);
+    for (size_t k = 0; k < 2; ++k) scale_normal(&s, 3 * 500 + k, -1);
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
     surface_free(&s);
     s = surface_box(origin, 1,
         0); /* all corners of a side 80 degrees off it are still before it; at 100 they are not */
-    for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(80 / DEGREES), 0, cos(80 / DEGREES));
+    for (size_t k = 20; k < 24; ++k) set_normal(&s, k, sin(80 / DEGREES), 0, cos(80 / DEGREES));
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
-    for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(100 / DEGREES), 0, cos(100 / DEGREES));
+    for (size_t k = 20; k < 24; ++k) set_normal(&s, k, sin(100 / DEGREES), 0, cos(100 / DEGREES));
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 2);
     surface_free(&s);
 }
@@ -166,7 +166,7 @@ static void add_opposed(surface *s, float length, float height) {
     const float corners[3][3] = {{20, 0, 0}, {20 + length, 0, 0}, {20 + length / 2, height, 0}},
                 down[3] = {0, 0, -1};
     uint32_t face[3];
-    for (int k = 0; k < 3; k++) face[k] = surface_add_vertex(s, corners[k], down);
+    for (int k = 0; k < 3; ++k) face[k] = surface_add_vertex(s, corners[k], down);
     surface_add_face(s, face);
 }
 
@@ -203,7 +203,7 @@ static void one_normal_far_off(void **state) {
     surface_free(&s);
     s = surface_box(origin, 1, 0); /* vertices of one side each: along the side next to it a normal
                                       is near to a face at its position; away from it, to none */
-    for (size_t k = 20; k < 24; k++) set_normal(&s, k, s.positions[3 * k] > 0 ? 1 : -1, 0, 0);
+    for (size_t k = 20; k < 24; ++k) set_normal(&s, k, s.positions[3 * k] > 0 ? 1 : -1, 0, 0);
     assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
     set_normal(&s, 21, s.positions[3 * 21] > 0 ? -1 : 1, 0, 0);
     assert_found(in_render(&s, "N202", NORMA_SEVERITY_WARNING), 1);
@@ -213,17 +213,17 @@ static void one_normal_far_off(void **state) {
 static void placeholders(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t v = 0; v < s.vertices; v++)
+    for (size_t v = 0; v < s.vertices; ++v)
         if (v % 25) set_normal(&s, v, 0, 0, 1);
     assert_found(in_render(&s, "N203", NORMA_SEVERITY_WARNING), 1);
     s.mesh.material.not_opaque = 1;
     assert_found(in_render(&s, "N203", NORMA_SEVERITY_INFO), 1);
-    for (size_t v = 0; v < s.vertices; v++)
+    for (size_t v = 0; v < s.vertices; ++v)
         if (v % 15 == 0) set_normal(&s, v, 1, 0, 0);
     assert_null(in_render(&s, "N203", NORMA_SEVERITY_NONE)); /* nine in a hundred differ */
     surface_free(&s);
     s = surface_torus(64, 32); /* flattened: a plate has one normal */
-    for (size_t v = 0; v < s.vertices; v++) {
+    for (size_t v = 0; v < s.vertices; ++v) {
         s.positions[3 * v + 2] = 0;
         set_normal(&s, v, 0, 0, 1);
     }
@@ -240,13 +240,13 @@ static void explained(void **state) {
         float crease_deg;
     } ways[] = {{NORMA_WEIGHT_ANGLE, 180}, {NORMA_WEIGHT_AREA, 180}, {NORMA_WEIGHT_UNIFORM, 180},
         {NORMA_WEIGHT_AREA, 40}, {NORMA_WEIGHT_MAX, 20}};
-    for (size_t i = 0; i < COUNT_OF(ways); i++) {
-        for (size_t large = 0; large < 2; large++) {
+    for (size_t i = 0; i < COUNT_OF(ways); ++i) {
+        for (size_t large = 0; large < 2; ++large) {
             surface s = surface_soup(
                 large ? surface_torus(AROUND, 44)
                       : surface_torus(60, 20)); /* edges bend by some 8 or 18 degrees across */
             s.mesh.info.normals = NORMA_NORMALS_PER_CORNER;
-            for (size_t v = 0; v < s.vertices; v++)
+            for (size_t v = 0; v < s.vertices; ++v)
                 if (s.positions[3 * v + 2] > 0.9f) s.positions[3 * v + 2] *= 3;
             const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT},
                 .corners = s.corners,
@@ -289,7 +289,7 @@ static void facets_of_polygons(void **state) {
     static const float positions[6][3] = {
         {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
     static const uint32_t corners[8] = {0, 1, 2, 3, 1, 4, 5, 2}, starts[3] = {0, 4, 8};
-    for (int wrong = 0; wrong < 2; wrong++) {
+    for (int wrong = 0; wrong < 2; ++wrong) {
         const float normals[2][3] = {{0, 0, wrong ? -1.0F : 1.0F}, {0, 0, 1}};
         const uint32_t turned[8] = {0, 1, 2, 3, 1, 2, 5, 4};
         const norma_check_mesh mesh = {.info = {.name = "",
@@ -339,7 +339,7 @@ static void facets(void **state) {
     assert_found(f, 2);
     assert_int_equal(f->samples[0].face, 10);
     assert_int_equal(f->samples[1].face, 20);
-    for (size_t i = 0; i < s.faces / 200; i++) scale_normal(&s, 1000 + i, -1);
+    for (size_t i = 0; i < s.faces / 200; ++i) scale_normal(&s, 1000 + i, -1);
     assert_found(look(&s, "N205", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_STL), 2 + s.faces / 200);
     assert_null(finding_of(found, "N102", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N103", NORMA_SEVERITY_NONE));
@@ -357,7 +357,7 @@ static void one_face_turned_in_a_hundred_thousand(void **state) {
     const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_INFO);
     assert_found(f, 3);
     assert_int_equal(f->fix, NORMA_FIX_UNSAFE);
-    for (size_t i = 0; i < 3; i++) assert_int_equal(f->samples[i].face, face);
+    for (size_t i = 0; i < 3; ++i) assert_int_equal(f->samples[i].face, face);
     assert_found(finding_of(found, "N201", NORMA_SEVERITY_INFO), 1);
     assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N304", NORMA_SEVERITY_NONE));
@@ -385,7 +385,7 @@ enum { RING = 32 };
 /* Vertices on a circle; returns the first. */
 static uint32_t add_ring(surface *s, double radius, double z) {
     const uint32_t first = (uint32_t)s->vertices;
-    for (int i = 0; i < RING; i++) {
+    for (int i = 0; i < RING; ++i) {
         const double a = 2 * 3.141592653589793 * i / RING;
         const float p[3] = {(float)(radius * cos(a)), (float)(radius * sin(a)), (float)z},
                     n[3] = {(float)cos(a), (float)sin(a), 0};
@@ -396,7 +396,7 @@ static uint32_t add_ring(surface *s, double radius, double z) {
 
 /* A band between two rings, wound from the one to the other as their angle grows. */
 static void add_band(surface *s, uint32_t one, uint32_t other) {
-    for (uint32_t i = 0; i < RING; i++) {
+    for (uint32_t i = 0; i < RING; ++i) {
         const uint32_t next = (i + 1) % RING;
         surface_add_face(s, (const uint32_t[3]){one + i, one + next, other + next});
         surface_add_face(s, (const uint32_t[3]){one + i, other + next, other + i});
@@ -432,12 +432,12 @@ static void a_sheet_is_undecided(void **state) {
     (void)state;
     surface s = surface_box(origin, 1, 0);
     s.vertices = s.faces = 0;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const float p[3] = {(float)(i % 2), (float)(i / 2), 0}, n[3] = {0, 0, 1};
         surface_add_vertex(&s, p, n);
     }
     static const uint32_t faces[4][3] = {{0, 1, 3}, {0, 3, 2}, {2, 5, 3}, {2, 4, 5}};
-    for (int i = 0; i < 4; i++) surface_add_face(&s, faces[i]);
+    for (int i = 0; i < 4; ++i) surface_add_face(&s, faces[i]);
     const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_WARNING);
     assert_non_null(f);
     assert_int_equal(f->fix, NORMA_FIX_NONE);
@@ -450,16 +450,16 @@ static void a_sheet_is_undecided(void **state) {
  * same way, and neither is turned. Its other face at the border is turned: that is told of. */
 static void a_face_twice_is_not_turned(void **state) {
     (void)state;
-    for (int polygons = 0; polygons < 2; polygons++) {
+    for (int polygons = 0; polygons < 2; ++polygons) {
         surface s = surface_box(origin, 1, 0);
         s.vertices = s.faces = 0;
-        for (int i = 0; i < 6; i++)
+        for (int i = 0; i < 6; ++i)
             surface_add_vertex(
                 &s, (const float[3]){(float)(i % 2), (float)(i / 2), 0}, (const float[3]){0, 0, 1});
         static const uint32_t faces[5][3] = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}, {1, 3, 0}};
-        for (int i = 0; i < 5; i++) surface_add_face(&s, faces[i]);
+        for (int i = 0; i < 5; ++i) surface_add_face(&s, faces[i]);
         s.starts = polygons ? malloc((s.faces + 2) * sizeof *s.starts) : NULL;
-        for (uint32_t f = 0; polygons && f <= s.faces; f++) s.starts[f] = 3 * f;
+        for (uint32_t f = 0; polygons && f <= s.faces; ++f) s.starts[f] = 3 * f;
         const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_INFO);
         assert_found(f, 2); /* of three: one is shared with the next face */
         assert_int_equal(f->fix, NORMA_FIX_NONE);
@@ -479,7 +479,7 @@ static void open_edges(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
     assert_null(in_print(&s, "N307", NORMA_SEVERITY_NONE));
-    s.faces--;
+    --s.faces;
     assert_found(in_print(&s, "N307", NORMA_SEVERITY_WARNING), 3);
     assert_null(in_render(&s, "N307", NORMA_SEVERITY_NONE));
     const norma_finding *f = look(&s, "N307", NORMA_SEVERITY_ERROR,
@@ -491,7 +491,7 @@ static void open_edges(void **state) {
 static void turned_inside_out(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t f = 0; f < s.faces; f++) surface_turn_face(&s, f);
+    for (size_t f = 0; f < s.faces; ++f) surface_turn_face(&s, f);
     const norma_finding *f = in_render(&s, "N302", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, 0);
@@ -532,13 +532,13 @@ static void shells_in_shells(void **state) {
 static void open_surfaces(void **state) {
     (void)state;
     surface s = surface_join(surface_torus(64, 32), surface_box((const double[3]){9, 0, 0}, 1, 1));
-    s.faces--;
+    --s.faces;
     const norma_finding *f = in_render(&s, "N304", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
     /* A face beside the one that is missing. */
     const uint32_t *open = s.corners + 3 * f->samples[0].face, *missing = s.corners + 3 * s.faces;
     size_t shared = 0;
-    for (size_t i = 0; i < 9; i++)
+    for (size_t i = 0; i < 9; ++i)
         shared += memcmp(s.positions + 3 * open[i / 3], s.positions + 3 * missing[i % 3],
                       3 * sizeof *s.positions) == 0;
     assert_int_equal(shared, 2);
@@ -587,8 +587,8 @@ static void twice(void **state) {
     /* Each face of a body with its reversed twin, on vertices of their own. */
     s = surface_torus(40, 20);
     surface back = surface_torus(40, 20);
-    for (size_t k = 0; k < back.faces; k++) surface_turn_face(&back, k);
-    for (size_t v = 0; v < back.vertices; v++) scale_normal(&back, v, -1);
+    for (size_t k = 0; k < back.faces; ++k) surface_turn_face(&back, k);
+    for (size_t v = 0; v < back.vertices; ++v) scale_normal(&back, v, -1);
     s = surface_join(s, back);
     assert_found(in_render(&s, "N306", NORMA_SEVERITY_WARNING), 2 * 40 * 20);
     assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
@@ -631,13 +631,13 @@ static void cancelled(void **state) {
     const float up[3] = {0, 0, 1};
     const uint32_t middle = surface_add_vertex(&s, (const float[3]){10, 0, 0}, up);
     uint32_t ring[2][4];
-    for (int side = 0; side < 2; side++)
-        for (int k = 0; k < 4; k++) {
+    for (int side = 0; side < 2; ++side)
+        for (int k = 0; k < 4; ++k) {
             const float p[3] = {
                 (float)(10 + (k == 0) - (k == 2)), (float)((k == 1) - (k == 3)), side ? 1 : -1};
             ring[side][k] = surface_add_vertex(&s, p, up);
         }
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < 4; ++k) {
         surface_add_face(&s, (uint32_t[]){middle, ring[0][k], ring[0][(k + 1) % 4]});
         surface_add_face(&s, (uint32_t[]){middle, ring[1][(k + 1) % 4], ring[1][k]});
     }
@@ -671,8 +671,8 @@ static void polygons(void **state) {
     s.corners = malloc(5 * COUNT_OF(shapes) * sizeof *s.corners);
     s.starts = malloc((COUNT_OF(shapes) + 1) * sizeof *s.starts);
     memcpy(s.positions, shapes, sizeof shapes);
-    for (uint32_t c = 0; c < 5 * COUNT_OF(shapes); c++) s.corners[c] = c;
-    for (uint32_t f = 0; f <= COUNT_OF(shapes); f++) s.starts[f] = 5 * f;
+    for (uint32_t c = 0; c < 5 * COUNT_OF(shapes); ++c) s.corners[c] = c;
+    for (uint32_t f = 0; f <= COUNT_OF(shapes); ++f) s.starts[f] = 5 * f;
     const norma_finding *f = look(&s, "N404", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_OBJ);
     assert_found(f, 2);
     assert_int_equal(f->samples[0].face, 2);
@@ -696,15 +696,15 @@ static void turn_normal(surface *s, size_t vertex, double degrees) {
 static void a_seam_two_degrees_apart(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t k = 3; k < 8; k++)
+    for (size_t k = 3; k < 8; ++k)
         turn_normal(&s, k, 2); /* the first of both sides of the seam across */
     const norma_finding *f = in_render(&s, "N501", NORMA_SEVERITY_WARNING);
     assert_found(f, 5);
-    for (size_t i = 0; i < 5; i++) assert_int_equal(f->samples[i].vertex, 3 + i);
+    for (size_t i = 0; i < 5; ++i) assert_int_equal(f->samples[i].vertex, 3 + i);
     assert_true(f->worst_value > 1.9 && f->worst_value < 2.01);
-    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, -1.5);
+    for (size_t k = 3; k < 8; ++k) turn_normal(&s, k, -1.5);
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE)); /* half a degree */
-    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 1.2);
+    for (size_t k = 3; k < 8; ++k) turn_normal(&s, k, 1.2);
     assert_non_null(in_render(&s, "N501", NORMA_SEVERITY_WARNING));
     s.mesh.info.encoding = "oct8"; /* twice .957 */
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
@@ -718,12 +718,12 @@ static void a_seam_two_degrees_apart(void **state) {
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
     surface_free(&s);
     s = surface_torus(AROUND, ACROSS); /* no UVs: what parts the vertices is their normals alone */
-    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 2);
+    for (size_t k = 3; k < 8; ++k) turn_normal(&s, k, 2);
     memset(s.texcoords, 0, 8 * s.vertices);
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
     surface_free(&s);
     s = surface_box(origin, 1, 0); /* edges of ninety degrees */
-    for (size_t v = 0; v < s.vertices; v++) s.texcoords[2 * v] = (float)v;
+    for (size_t v = 0; v < s.vertices; ++v) s.texcoords[2 * v] = (float)v;
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
     surface_free(&s);
 }
@@ -737,22 +737,22 @@ static surface patched_torus(size_t rows, size_t columns, int own_islands) {
     surface smooth = surface_torus(ROUND, OVER), s = surface_box(origin, 1, 0);
     const size_t over = OVER / columns, side = columns + 1;
     s.vertices = s.faces = 0;
-    for (size_t p = 0; p < ROUND / rows * over; p++) {
+    for (size_t p = 0; p < ROUND / rows * over; ++p) {
         const uint32_t first = (uint32_t)s.vertices;
-        for (size_t i = 0; i < (rows + 1) * side; i++)
+        for (size_t i = 0; i < (rows + 1) * side; ++i)
             surface_add_vertex(&s, (const float[3]){0, 0, 0}, (const float[3]){0, 0, 0});
-        for (size_t q = 0; q < rows * columns; q++) {
+        for (size_t q = 0; q < rows * columns; ++q) {
             const size_t x = q / columns, y = q % columns,
                          at = (p / over * rows + x) * OVER + p % over * columns + y;
             const uint32_t *c = &smooth.corners[6 * at], quad[4] = {c[0], c[1], c[2], c[5]},
                            a = first + (uint32_t)(x * side + y), b = a + (uint32_t)side,
                            own[4] = {a, b, b + 1, a + 1};
             float normal[3] = {0, 0, 0};
-            for (uint32_t k = 0; k < 12; k++)
+            for (uint32_t k = 0; k < 12; ++k)
                 normal[k % 3] += smooth.normals[3 * quad[k / 3] + k % 3];
-            for (int k = 0; k < 4; k++) {
+            for (int k = 0; k < 4; ++k) {
                 memcpy(&s.positions[3 * own[k]], &smooth.positions[3 * quad[k]], 12);
-                for (uint32_t d = 0; d < 3; d++) s.normals[3 * own[k] + d] += normal[d];
+                for (uint32_t d = 0; d < 3; ++d) s.normals[3 * own[k] + d] += normal[d];
                 memcpy(&s.texcoords[2 * own[k]], &smooth.texcoords[2 * quad[k]], 8);
                 if (own_islands) s.texcoords[2 * own[k]] += (float)(2 * p);
             }
@@ -760,10 +760,10 @@ static surface patched_torus(size_t rows, size_t columns, int own_islands) {
             surface_add_face(&s, (const uint32_t[3]){own[0], own[2], own[3]});
         }
     }
-    for (size_t v = 0; v < s.vertices; v++) {
+    for (size_t v = 0; v < s.vertices; ++v) {
         float *n = &s.normals[3 * v];
         const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (int d = 0; d < 3; d++) n[d] /= length;
+        for (int d = 0; d < 3; ++d) n[d] /= length;
     }
     surface_free(&smooth);
     return s;
@@ -773,7 +773,7 @@ static surface patched_torus(size_t rows, size_t columns, int own_islands) {
  * and so is each edge where each quad is an island of its own. */
 static void a_seam_of_a_flat_file(void **state) {
     (void)state;
-    for (int own_islands = 0; own_islands < 2; own_islands++) {
+    for (int own_islands = 0; own_islands < 2; ++own_islands) {
         surface s = patched_torus(1, 1, own_islands);
         assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
         assert_null(finding_of(found, "N201", NORMA_SEVERITY_NONE));
@@ -801,18 +801,18 @@ enum { SIDE = 6 };
 static surface parted_sheet(void) {
     surface s = surface_box(origin, 1, 0);
     s.vertices = s.faces = 0;
-    for (int half = 0; half < 2; half++) {
+    for (int half = 0; half < 2; ++half) {
         const uint32_t first = (uint32_t)s.vertices;
-        for (int y = 0; y <= SIDE; y++)
-            for (int x = 0; x <= SIDE / 2; x++) {
+        for (int y = 0; y <= SIDE; ++y)
+            for (int x = 0; x <= SIDE / 2; ++x) {
                 const double a = half && x == 0 ? 3 / DEGREES : 0;
                 const float p[3] = {(float)(x + half * SIDE / 2), (float)y, 0},
                             n[3] = {(float)sin(a), 0, (float)cos(a)};
                 const uint32_t v = surface_add_vertex(&s, p, n);
                 s.texcoords[2 * v] = (float)(x + 10 * half);
             }
-        for (uint32_t y = 0; y < SIDE; y++)
-            for (uint32_t x = 0; x < SIDE / 2; x++) {
+        for (uint32_t y = 0; y < SIDE; ++y)
+            for (uint32_t x = 0; x < SIDE / 2; ++x) {
                 const uint32_t at = first + y * (SIDE / 2 + 1) + x, above = at + SIDE / 2 + 1;
                 surface_add_face(&s, (const uint32_t[3]){at, at + 1, above});
                 surface_add_face(&s, (const uint32_t[3]){at + 1, above + 1, above});
@@ -831,7 +831,7 @@ static void a_seam_at_a_degenerate_face(void **state) {
     const uint32_t a = first + 3 * stride, b = a + 1, above = a + stride,
                    middle = surface_add_vertex(
                        &s, (const float[3]){3.5f, 3, 0}, (const float[3]){0, 0, 1});
-    for (size_t f = 0; f < s.faces; f++) {
+    for (size_t f = 0; f < s.faces; ++f) {
         uint32_t *c = &s.corners[3 * f];
         if (c[0] == a && c[1] == b && c[2] == above) c[1] = middle;
     }
@@ -846,16 +846,16 @@ static void a_seam_at_a_degenerate_face(void **state) {
  * on the border are in both, some turned there. */
 static void a_seam_between_primitives(void **state) {
     (void)state;
-    for (int turned = 0; turned < 2; turned++) {
+    for (int turned = 0; turned < 2; ++turned) {
         surface a = surface_torus(AROUND, ACROSS), b = surface_torus(AROUND, ACROSS);
         const size_t half = a.faces / 2;
         memset(a.texcoords, 0, 8 * a.vertices);
         memset(b.texcoords, 0, 8 * b.vertices);
-        for (size_t k = 3; turned && k < 8; k++) turn_normal(&b, b.corners[3 * half] + k, 3);
+        for (size_t k = 3; turned && k < 8; ++k) turn_normal(&b, b.corners[3 * half] + k, 3);
         (void)in_render(&a, "N501", NORMA_SEVERITY_NONE); /* makes the views */
         (void)in_render(&b, "N501", NORMA_SEVERITY_NONE);
         norma_check_mesh meshes[2] = {a.mesh, b.mesh};
-        for (size_t i = 0; i < 2; i++) {
+        for (size_t i = 0; i < 2; ++i) {
             norma_mesh *mesh = &meshes[i].data.mesh;
             mesh->corners = (i ? b.corners : a.corners) + (i ? 3 * half : 0);
             mesh->corner_count = 3 * (i ? b.faces - half : half);
@@ -872,7 +872,7 @@ static void a_seam_between_primitives(void **state) {
             assert_found(f, 5);
             assert_string_equal(f->where, "/meshes/0/primitives/1");
             assert_true(f->worst_value > 2.8 && f->worst_value < 3.01);
-            for (size_t i = 0; i < 5; i++)
+            for (size_t i = 0; i < 5; ++i)
                 assert_int_equal(f->samples[i].vertex, b.corners[3 * half] + 3 + i);
         } else {
             assert_null(f);
@@ -891,12 +891,12 @@ static void soups_and_cracks(void **state) {
     s = surface_torus(AROUND, ACROSS);
     assert_null(in_render(&s, "N502", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N503", NORMA_SEVERITY_NONE));
-    for (size_t k = 10; k < 14; k++)
+    for (size_t k = 10; k < 14; ++k)
         s.positions[3 * k] += 2e-6f; /* diagonal about 12, spacing of floats at 4 about 5e-7 */
     const norma_finding *f = in_render(&s, "N503", NORMA_SEVERITY_INFO);
     assert_found(f, 8);
     assert_int_equal(f->samples[0].vertex, 10);
-    for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 1e-3f;
+    for (size_t k = 10; k < 14; ++k) s.positions[3 * k] += 1e-3f;
     assert_null(in_render(&s, "N503", NORMA_SEVERITY_NONE));
     surface_free(&s);
     /* Every 50th face a little aside, in whatever cell it lies: its positions and those of its
@@ -904,14 +904,14 @@ static void soups_and_cracks(void **state) {
     s = surface_torus(AROUND, ACROSS);
     uint8_t aside[AROUND * ACROSS] = {0};
     size_t places = 0;
-    for (size_t c = 0; c < 3 * s.faces; c++) {
+    for (size_t c = 0; c < 3 * s.faces; ++c) {
         const size_t place =
             s.corners[c] / (ACROSS + 1) % AROUND * ACROSS + s.corners[c] % (ACROSS + 1) % ACROSS;
         places += c / 3 % 50 == 0 && !aside[place];
         aside[place] |= c / 3 % 50 == 0;
     }
     s = surface_soup(s);
-    for (size_t v = 0; v < s.vertices; v++)
+    for (size_t v = 0; v < s.vertices; ++v)
         if (v / 3 % 50 == 0) s.positions[3 * v] += s.positions[3 * v] > 0 ? -6e-6f : 6e-6f;
     assert_found(in_render(&s, "N503", NORMA_SEVERITY_INFO), 2 * places);
     surface_free(&s);
@@ -922,14 +922,14 @@ static void soups_and_cracks(void **state) {
 static void far_away(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 100000;
+    for (size_t v = 0; v < s.vertices; ++v) s.positions[3 * v + 1] += 100000;
     const norma_finding *f = in_render(&s, "N701", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
     assert_true(
         f->worst_value > .02 && f->worst_value < .3); /* spacing .0078, edges from .03 to .3 */
     surface_free(&s);
     s = surface_torus(AROUND, ACROSS);
-    for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 1000;
+    for (size_t v = 0; v < s.vertices; ++v) s.positions[3 * v + 1] += 1000;
     assert_null(in_render(&s, "N701", NORMA_SEVERITY_NONE));
     s.mesh.info.encoding = "snorm8";
     assert_found(in_render(&s, "N702", NORMA_SEVERITY_INFO), 1);
@@ -943,7 +943,7 @@ static void far_away(void **state) {
 static void samples_rules_and_silence(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t v = 100; v < 200; v++) set_normal(&s, v, 0, 0, 0);
+    for (size_t v = 100; v < 200; ++v) set_normal(&s, v, 0, 0, 0);
     const norma_finding *f = in_render(&s, "N102", NORMA_SEVERITY_ERROR);
     assert_found(f, 100);
     assert_int_equal(f->sample_count, 10);
@@ -972,19 +972,19 @@ static void lists_of_rules(void **state) {
     uint8_t mask[128] = {0};
     char unknown[64] = "";
     assert_int_equal(count, 50);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         assert_true(i == 0 || strcmp(rules[i - 1].id, rules[i].id) < 0);
         assert_true(*rules[i].what && *rules[i].cause && *rules[i].why && *rules[i].how);
         assert_int_equal(rules[i].fix != NORMA_FIX_NONE, *rules[i].fix_verb != 0);
-        for (size_t j = 0; j < i; j++) /* a cause and an impact of its own */
+        for (size_t j = 0; j < i; ++j) /* a cause and an impact of its own */
             assert_true(
                 strcmp(rules[i].cause, rules[j].cause) && strcmp(rules[i].why, rules[j].why));
     }
     assert_int_equal(norma_rules_select("N301,nonsense", mask, unknown), NORMA_ERROR_ARGUMENT);
     assert_string_equal(unknown, "nonsense");
-    for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], 0);
+    for (size_t i = 0; i < count; ++i) assert_int_equal(mask[i], 0);
     assert_ok(norma_rules_select(" N30 ,triangle-soup,", mask, unknown));
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         assert_int_equal(mask[i], !strncmp(rules[i].id, "N30", 3) || !strcmp(rules[i].id, "N502"));
 }
 
@@ -1006,13 +1006,13 @@ static void threads_change_nothing(void **state) {
                    *many =
                        surface_findings(&s, &(norma_check_options){.threads = 8}, NORMA_FILE_GLB);
     assert_int_equal(norma_findings_count(one), norma_findings_count(many));
-    for (size_t i = 0; i < norma_findings_count(one); i++) {
+    for (size_t i = 0; i < norma_findings_count(one); ++i) {
         const norma_finding *a = norma_findings_get(one, i), *b = norma_findings_get(many, i);
         assert_ptr_equal(a->rule, b->rule);
         assert_string_equal(a->message, b->message);
         assert_int_equal(a->count, b->count);
         assert_int_equal(a->sample_count, b->sample_count);
-        for (size_t k = 0; k < a->sample_count; k++)
+        for (size_t k = 0; k < a->sample_count; ++k)
             assert_same_sample(&a->samples[k], &b->samples[k]);
         assert_same_sample(&a->worst, &b->worst);
         assert_memory_equal(&a->worst_value, &b->worst_value, sizeof a->worst_value);

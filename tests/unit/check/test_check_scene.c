@@ -46,7 +46,7 @@ typedef struct expected {
 
 static void places_of(const norma_finding *finding, char text[400]) {
     text[0] = 0;
-    for (size_t i = 0; i < finding->sample_count; i++) {
+    for (size_t i = 0; i < finding->sample_count; ++i) {
         const norma_sample *s = &finding->samples[i];
         sprintf(text + strlen(text), "%s%c%zu", i ? " " : "", s->vertex != SIZE_MAX ? 'v' : 'f',
             s->vertex != SIZE_MAX ? s->vertex : s->face);
@@ -54,7 +54,7 @@ static void places_of(const norma_finding *finding, char text[400]) {
 }
 
 static void show(const norma_findings *findings) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         char places[400];
         places_of(f, places);
@@ -66,7 +66,7 @@ static void show(const norma_findings *findings) {
 /* Exactly these, in this order. Frees the findings. */
 static void assert_found(norma_findings *findings, const expected *wanted, size_t count) {
     int right = norma_findings_count(findings) == count;
-    for (size_t i = 0; right && i < count; i++) {
+    for (size_t i = 0; right && i < count; ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         char places[400];
         places_of(f, places);
@@ -222,7 +222,7 @@ static norma_findings *check_tile(
     asset_bytes(&a, rest, &glb);
     const size_t end = HEADER + TEXT + size, length = (end + glb + 7) / 8 * 8;
     assert_true(length <= sizeof bytes && strlen(features) <= TEXT);
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; ++i) {
         bytes[8 + i] = (unsigned char)(length >> 8 * i);
         bytes[12 + i] = (unsigned char)((size_t)TEXT >> 8 * i);
         bytes[16 + i] = (unsigned char)(size >> 8 * i);
@@ -442,7 +442,7 @@ typedef struct islands {
 
 static void make_islands(islands *s) {
     s->unmapped = 0;
-    for (int v = 0; v < COUNT; v++) {
+    for (int v = 0; v < COUNT; ++v) {
         const float *p = square[v % 4];
         memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0},
             sizeof s->positions[v]);
@@ -450,16 +450,16 @@ static void make_islands(islands *s) {
         memcpy(s->tangents[v], (const float[4]){1, 0, 0, 1}, sizeof s->tangents[v]);
         memcpy(s->uvs[v], (const float[2]){p[0], 1 - p[1]}, sizeof s->uvs[v]);
     }
-    for (int i = 0; i < ISLANDS; i++)
-        for (int k = 0; k < 6; k++) s->corners[6 * i + k] = (uint16_t)(4 * i + corners[k]);
+    for (int i = 0; i < ISLANDS; ++i)
+        for (int k = 0; k < 6; ++k) s->corners[6 * i + k] = (uint16_t)(4 * i + corners[k]);
 }
 
 static void mirror_uvs(islands *s, int island) {
-    for (int v = 4 * island; v < 4 * island + 4; v++) s->uvs[v][0] = 1 - s->uvs[v][0];
+    for (int v = 4 * island; v < 4 * island + 4; ++v) s->uvs[v][0] = 1 - s->uvs[v][0];
 }
 
 static void set_signs(islands *s, int island, float sign) {
-    for (int v = 4 * island; v < 4 * island + 4; v++) s->tangents[v][3] = sign;
+    for (int v = 4 * island; v < 4 * island + 4; ++v) s->tangents[v][3] = sign;
 }
 
 /* One texel, (128, 128, 255). */
@@ -511,7 +511,7 @@ static void test_tangent_words(void **state) {
         "the normal map \"bumps.png\" bends light the wrong way: 1 tangent up to 90 degrees off "
         "perpendicular to the normal");
     make_islands(&s);
-    for (int v = 0; v < 4; v++) s.tangents[v][3] = -s.tangents[v][3];
+    for (int v = 0; v < 4; ++v) s.tangents[v][3] = -s.tangents[v][3];
     expect_message(check_islands(&s, 0),
         "bumps of the normal map \"bumps.png\" become dents in one of two groups: 4 tangents have "
         "the opposite of the sign that the UVs give, and 16 agree with the UVs");
@@ -532,7 +532,7 @@ static void test_tangent_lengths(void **state) {
     s.tangents[19][1] = NAN;
     FOUND(check_islands(&s, 0), {"N801", PRIMITIVE, E, 4, INFINITY, "v3 v7 v11 v19"});
     make_islands(&s);
-    for (int v = 0; v < COUNT; v++) { /* units that eight bits round to a length of up to 1.0068 */
+    for (int v = 0; v < COUNT; ++v) { /* units that eight bits round to a length of up to 1.0068 */
         const double angle = 0.3 * v;
         s.tangents[v][0] = (float)cos(angle);
         s.tangents[v][1] = (float)sin(angle);
@@ -590,11 +590,11 @@ static void test_tangent_windings(void **state) {
     set_signs(&s, 2, 1);
     set_signs(&s, 3, 1); /* a mirrored twin that kept its sign */
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
-    for (int v = 12; v < 16; v++)
-        for (int k = 0; k < 2; k++)
+    for (int v = 12; v < 16; ++v)
+        for (int k = 0; k < 2; ++k)
             s.uvs[v][k] = 0.125F + s.uvs[v][k] * 0x1p-20F; /* as small as it may be, it counts */
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
-    for (int v = 12; v < 16; v++) s.uvs[v][1] = 0.5F; /* no area: no winding */
+    for (int v = 12; v < 16; ++v) s.uvs[v][1] = 0.5F; /* no area: no winding */
     assert_clean(check_islands(&s, 0));
     static const float last_digits[4][2] = {{0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F},
         {0.3F, 0.7F + 0x1p-24F},
@@ -603,7 +603,7 @@ static void test_tangent_windings(void **state) {
     assert_clean(check_islands(&s, 0));
 
     make_islands(&s); /* the smaller side, whichever it is */
-    for (int i = 0; i < 4; i++) set_signs(&s, i, -1);
+    for (int i = 0; i < 4; ++i) set_signs(&s, i, -1);
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v16 v17 v18 v19"});
     set_signs(&s, 4, -1); /* all */
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, I, 20, NAN, "v0 v1 v2 v3 v4 v5 v6 v7 v8 v9"});
@@ -617,7 +617,7 @@ static void test_tangent_at_a_mirror_line(void **state) {
     make_islands(&s);
     set_signs(&s, 1, -1);
     mirror_uvs(&s, 1);
-    for (int k = 0; k < 6; k++) /* island 1 hangs on the right edge of island 0 */
+    for (int k = 0; k < 6; ++k) /* island 1 hangs on the right edge of island 0 */
         s.corners[6 + k] = (uint16_t)(s.corners[6 + k] == 4   ? 1
                                       : s.corners[6 + k] == 7 ? 2
                                                               : s.corners[6 + k]);
@@ -761,10 +761,10 @@ static norma_findings *check_morphs(
     } else {
         add_square(&a);
     }
-    for (size_t t = 0; t < targets; t++) {
+    for (size_t t = 0; t < targets; ++t) {
         float moves[4][3] = {{0}};
         const double angle = degrees[t] * 0.017453292519943295;
-        for (int v = 2; v < 4; v++) {
+        for (int v = 2; v < 4; ++v) {
             moves[v][1] = (float)(cos(angle) - 1);
             moves[v][2] = (float)sin(angle);
         }
@@ -876,7 +876,7 @@ static void test_behind_the_end(void **state) {
     } plys[] = {{rows, sizeof rows - 1, NULL}, {more, sizeof more - 1, "line 15"},
         {blank, sizeof blank - 1, NULL}, {codes, sizeof codes - 1, NULL},
         {beyond, sizeof beyond - 1, "byte 184"}};
-    for (size_t i = 0; i < sizeof plys / sizeof *plys; i++) {
+    for (size_t i = 0; i < sizeof plys / sizeof *plys; ++i) {
         norma_findings *findings =
             check(scene_reopen((const unsigned char *)plys[i].text, plys[i].size, "a.ply"), "N002");
         if (!plys[i].where)
@@ -949,7 +949,7 @@ static void test_endless_skins(void **state) {
     gltf_asset a = {0};
     char *rest = malloc(400000 + NODES * 40 + SKINS * (NODES * 6 + 40)), *at = rest;
     assert_non_null(rest);
-    for (int k = 0; k < KEYS; k++) {
+    for (int k = 0; k < KEYS; ++k) {
         times[k] = (float)k;
         scales[k][0] = scales[k][1] = 1;
         scales[k][2] = k == KEYS - 1 ? 2 : 1;
@@ -957,15 +957,15 @@ static void test_endless_skins(void **state) {
     asset_floats(&a, times, KEYS, 1);
     asset_floats(&a, &scales[0][0], KEYS, 3);
     at += sprintf(at, "\"nodes\":[{}");
-    for (int i = 1; i < NODES; i++) at += sprintf(at, ",{\"children\":[%d]}", i - 1);
+    for (int i = 1; i < NODES; ++i) at += sprintf(at, ",{\"children\":[%d]}", i - 1);
     at += sprintf(at, "],\"skins\":[");
-    for (int i = 0; i < SKINS; i++) {
+    for (int i = 0; i < SKINS; ++i) {
         at += sprintf(at, "%s{\"joints\":[0", i ? "," : "");
-        for (int k = 1; k < NODES; k++) at += sprintf(at, ",%d", k);
+        for (int k = 1; k < NODES; ++k) at += sprintf(at, ",%d", k);
         at += sprintf(at, "]}");
     }
     at += sprintf(at, "],\"animations\":[");
-    for (int i = 0; i < ANIMATIONS; i++)
+    for (int i = 0; i < ANIMATIONS; ++i)
         at += sprintf(at,
             "%s{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{"
             "\"node\":%d,\"path\":\"scale\"}}]}",

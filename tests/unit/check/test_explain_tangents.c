@@ -86,8 +86,8 @@ static void test_meshopt(void **state) {
         .tangent_count = 4,
         .tangent_encoding = "float"};
     (void)state;
-    for (size_t v = 0; v < 2; v++)
-        for (size_t k = 0; k < 2; k++)
+    for (size_t v = 0; v < 2; ++v)
+        for (size_t k = 0; k < 2; ++k)
             tangents[4 * v + k] = (float)(ends[v][k] / hypot(ends[v][0], ends[v][1]));
     assert_int_equal(norma_explain_tangents(&data, &attributes, NULL, &d), NORMA_OK);
     assert_int_equal(d.source, NORMA_TANGENTS_BY_MESHOPT);
@@ -143,7 +143,7 @@ static void check_file(const known *k) {
     assert_int_equal(d.negated, k->negated);
     assert_true((double)d.explained > .99 * (double)d.corners);
     assert_int_equal(norma_check_document(document, NULL, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *f = norma_findings_get(findings, i);
         if (strcmp(f->rule->id, "N807") != 0) continue;
         found += strstr(f->message, norma_tangent_source_name(k->source)) != NULL;
@@ -158,7 +158,7 @@ static void check_file(const known *k) {
 static void test_files(void **state) {
     (void)state;
     if (!data_folder()) skip();
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) check_file(&files[i]);
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) check_file(&files[i]);
 }
 
 int main(void) {

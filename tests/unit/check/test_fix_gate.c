@@ -33,14 +33,14 @@ static size_t count_of(norma_document *document, const char *rules) {
     size_t count = 0;
     const norma_check_options options = select(rules, mask);
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
 }
 
 static int has_note(const norma_document *document, const char *first, const char *second) {
-    for (size_t i = 0; i < norma_document_note_count(document); i++)
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
         if (strstr(norma_document_note(document, i), first) &&
             strstr(norma_document_note(document, i), second))
             return 1;
@@ -124,7 +124,7 @@ typedef struct primitive {
 
 static norma_document *open_primitives(gltf_asset *a, const primitive *list, int count) {
     char rest[1000] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[", text[100];
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const int positions = asset_floats(a, &list[i].positions[0][0], list[i].vertices, 3),
                   corners = asset_uint16(a, list[i].corners, list[i].count);
         snprintf(text, sizeof text, "%s{\"attributes\":{\"POSITION\":%d},\"indices\":%d}",
@@ -303,7 +303,7 @@ static norma_findings *tried(norma_document *document, norma_severity from) {
 }
 
 static const norma_finding *finding_of(const norma_findings *findings, const char *rule) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         if (strcmp(norma_findings_get(findings, i)->rule->id, rule) == 0)
             return norma_findings_get(findings, i);
     fail_msg("%s is not found", rule);
@@ -322,14 +322,14 @@ static void an_offer_keeps_its_promise(void **state) {
     assert_non_null(strstr(folded->message, "no fix: N305 duplicate-faces would report more"));
     assert_int_equal(norma_finding_command(folded, "a.obj", NULL, NULL, 0), 0);
     assert_int_equal(finding_of(findings, "N405")->fix, NORMA_FIX_UNSAFE);
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (finding->fix == NORMA_FIX_NONE) continue;
         norma_document *other = scene_of_obj(polygons);
         assert_int_equal(fix(other, finding->rule->id).changed, 1);
         assert_int_equal(count_of(other, finding->rule->id), 0);
         norma_document_close(other);
-        offers++;
+        ++offers;
     }
     assert_true(offers > 1);
     unsigned char *bytes = scene_output(document, &size);
@@ -365,13 +365,13 @@ static void what_would_take_too_long_is_told(void **state) {
     norma_document *document = scene_of_obj(faults);
     norma_findings *findings = tried(document, NORMA_SEVERITY_INFO);
     size_t offers = 0, untried = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
         offers += finding->fix != NORMA_FIX_NONE;
         if (!strstr(finding->message, "no fix: to find out whether it does harm takes too long"))
             continue;
         assert_int_equal(finding->fix, NORMA_FIX_NONE);
-        untried++;
+        ++untried;
     }
     assert_true(offers > 3);
     assert_true(untried > 0);
@@ -383,7 +383,7 @@ static void what_would_take_too_long_is_told(void **state) {
 static void informations_are_left(void **state) {
     (void)state;
     static const char bent[] = "v 6 0 0\nv 8 0 0\nv 8 2 .5\nv 6 2 0\nf 1 2 3 4\n";
-    for (int from = NORMA_SEVERITY_NONE; from <= NORMA_SEVERITY_WARNING; from++) {
+    for (int from = NORMA_SEVERITY_NONE; from <= NORMA_SEVERITY_WARNING; ++from) {
         norma_document *document = scene_of_obj(bent);
         norma_fix_summary summary;
         const norma_check_options options = {

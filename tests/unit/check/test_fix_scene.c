@@ -28,8 +28,8 @@ typedef struct islands {
 static void make_islands(islands *s) {
     static const uint16_t corners[6] = {0, 1, 2, 0, 2, 3};
     memset(s, 0, sizeof *s);
-    for (int v = 0; v < COUNT + 3; v++) s->normals[v][2] = 1;
-    for (int v = 0; v < COUNT; v++) {
+    for (int v = 0; v < COUNT + 3; ++v) s->normals[v][2] = 1;
+    for (int v = 0; v < COUNT; ++v) {
         const float *p = square[v % 4];
         memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0},
             sizeof s->positions[v]);
@@ -39,8 +39,8 @@ static void make_islands(islands *s) {
         s->moves[v][2] = p[1] * (float)sin(0.5);
         s->turns[v][0] = 0.25F;
     }
-    for (int i = 0; i < ISLANDS; i++)
-        for (int k = 0; k < 6; k++) s->corners[6 * i + k] = (uint16_t)(4 * i + corners[k]);
+    for (int i = 0; i < ISLANDS; ++i)
+        for (int k = 0; k < 6; ++k) s->corners[6 * i + k] = (uint16_t)(4 * i + corners[k]);
     s->normal_count = COUNT;
 }
 
@@ -76,7 +76,7 @@ static size_t count_of(norma_document *document, const char *rules) {
     norma_document_error error;
     size_t count = 0;
     if (norma_check_document(document, &options, &findings, &error)) fail_msg("%s", error.message);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
@@ -111,7 +111,7 @@ static norma_fix_summary mend(norma_document *document, const char *rules, int u
 static norma_document *mended(
     norma_document *document, const char *rules, int unsafe, unsigned char **bytes) {
     norma_fix_summary summary = {.changed = 1};
-    for (int i = 0; i < 4 && summary.changed; i++) summary = mend(document, rules, unsafe);
+    for (int i = 0; i < 4 && summary.changed; ++i) summary = mend(document, rules, unsafe);
     document = reopen(document, bytes);
     summary = mend(document, rules, unsafe);
     assert_true(!summary.changed);
@@ -153,13 +153,13 @@ static void assert_kept(const outcome *o, const islands *s, int normals,
     assert_memory_equal(o->data.mesh.positions.data, s->positions, sizeof s->positions);
     assert_memory_equal(o->attributes.texcoords, s->uvs, sizeof s->uvs);
     assert_int_equal(o->data.mesh.corner_count, 6 * ISLANDS);
-    for (int i = 0; i < 6 * ISLANDS; i++)
+    for (int i = 0; i < 6 * ISLANDS; ++i)
         assert_int_equal(((const uint32_t *)o->data.mesh.corners)[i], s->corners[i]);
     if (normals)
         assert_memory_equal(o->data.normals.data, s->normals, COUNT * sizeof s->normals[0]);
-    for (size_t v = 0; changed_tangents && v < COUNT; v++) {
+    for (size_t v = 0; changed_tangents && v < COUNT; ++v) {
         int changed = 0;
-        for (size_t i = 0; i < changed_count; i++) changed |= changed_tangents[i] == (int)v;
+        for (size_t i = 0; i < changed_count; ++i) changed |= changed_tangents[i] == (int)v;
         assert_int_equal(
             memcmp(o->attributes.tangents + 4 * v, s->tangents[v], sizeof s->tangents[v]) != 0,
             changed);
@@ -185,7 +185,7 @@ static void test_bad_tangents(void **state) {
     s.tangents[13][3] = 0.5F;
     run(&o, &s, MESH(ALL, ""), "N801,N802", 0, 4);
     assert_kept(&o, &s, 1, (const int[]){3, 7, 9, 13}, 4);
-    for (size_t v = 0; v < COUNT; v++) assert_tangent(&o, v, 1, 0, 0, 1);
+    for (size_t v = 0; v < COUNT; ++v) assert_tangent(&o, v, 1, 0, 0, 1);
     finish(&o);
 }
 
@@ -208,17 +208,17 @@ static void test_signs(void **state) {
     outcome o;
     static const int third[] = {8, 9, 10, 11}, last[] = {16, 17, 18, 19};
     make_islands(&s);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         s.tangents[third[k]][3] = -1;
         s.tangents[third[k]][2] = 0.01F; /* leans less than N803 minds */
     }
     run(&o, &s, MESH(ALL, ""), "N804", 0, 4);
     assert_kept(&o, &s, 1, third, 4);
-    for (int k = 0; k < 4; k++) assert_tangent(&o, (size_t)third[k], 1, 0, (double)0.01F, 1);
+    for (int k = 0; k < 4; ++k) assert_tangent(&o, (size_t)third[k], 1, 0, (double)0.01F, 1);
     finish(&o);
 
     make_islands(&s);
-    for (int v = 0; v < 16; v++) s.tangents[v][3] = -1;
+    for (int v = 0; v < 16; ++v) s.tangents[v][3] = -1;
     o = (outcome){0};
     norma_document *document = open_islands(&o.asset, &s, MESH(ALL, ""));
     o.document = mended(document, "N804", 1, &o.bytes);
@@ -237,14 +237,14 @@ static void test_missing_tangents(void **state) {
     islands s;
     outcome o;
     make_islands(&s);
-    for (int v = 4; v < 8; v++) s.uvs[v][0] = 1 - s.uvs[v][0]; /* mirrored */
+    for (int v = 4; v < 8; ++v) s.uvs[v][0] = 1 - s.uvs[v][0]; /* mirrored */
     run(&o, &s,
         "\"materials\":[{\"normalTexture\":{\"index\":0}}]," MESH(
             "\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3", ",\"material\":0"),
         "N805", 1, 1);
     assert_kept(&o, &s, 1, NULL, 0);
     assert_int_equal(o.attributes.tangent_count, COUNT);
-    for (size_t v = 0; v < COUNT; v++)
+    for (size_t v = 0; v < COUNT; ++v)
         assert_tangent(&o, v, v / 4 == 1 ? -1 : 1, 0, 0, v / 4 == 1 ? -1 : 1);
     assert_int_equal(count_of(o.document, "N801,N802,N803,N804,N805,N806"), 0);
     finish(&o);
@@ -318,7 +318,7 @@ static void test_obj(void **state) {
     norma_mesh_data data;
     assert_int_equal(norma_document_mesh_data(again, 0, &data, NULL), NORMA_DOCUMENT_OK);
     static const int kept[9] = {1, 1, 1, 1, 0, 1, 0, 0, 1};
-    for (int c = 0; c < 9; c++) {
+    for (int c = 0; c < 9; ++c) {
         const float *n = (const float *)data.normals.data + 3 * data.corner_normals[c];
         if (kept[c])
             assert_true(n[0] == 0 && n[1] == 0.6F && n[2] == 0.8F);
@@ -347,7 +347,7 @@ static void test_bending_morph(void **state) {
         kept.normals.data, s.turns, sizeof s.turns); /* another target's keep their bits */
     assert_memory_equal(made.positions.data, s.moves, sizeof s.moves);
     assert_int_equal(made.normals.count, COUNT);
-    for (size_t v = 0; v < COUNT; v++) {
+    for (size_t v = 0; v < COUNT; ++v) {
         const float *delta = (const float *)made.normals.data + 3 * v;
         assert_true(fabs((double)delta[0]) < 1e-6 && fabs((double)delta[1] + sin(0.5)) < 1e-6 &&
                     fabs((double)delta[2] - (cos(0.5) - 1)) < 1e-6);
@@ -391,14 +391,14 @@ static void test_baked(void **state) {
     run(&o, &s, rest, "N601,N602,N604", 1, 3);
     scene_read(o.document, &after);
     assert_int_equal(before.count, after.count);
-    for (size_t i = 0; i < before.count; i++) {
+    for (size_t i = 0; i < before.count; ++i) {
         double facet[3];
         scene_facet_normal(&after.triangles[i], facet);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             int found = 0; /* a mirror that was baked has reversed the corners behind the first */
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; ++c) {
                 double off = 0;
-                for (int x = 0; x < 3; x++)
+                for (int x = 0; x < 3; ++x)
                     off = fmax(off, fabs(before.triangles[i].position[k][x] -
                                          after.triangles[i].position[c][x]));
                 found |= off < 1e-5;

@@ -23,15 +23,15 @@ static norma_document *open_box(char text[1500], int sides, const char *turned, 
         {0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
     size_t used = (size_t)snprintf(
         text, 1500, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n");
-    for (int i = 0; i < SIDES; i++) {
+    for (int i = 0; i < SIDES; ++i) {
         const int sign = i == LID && sides < SIDES ? 1 : normals; /* nothing uses it */
         used += (size_t)snprintf(text + used, 1500 - used, "vn %d %d %d\n", sign * outward[i][0],
             sign * outward[i][1], sign * outward[i][2]);
     }
-    for (int i = 0; i < SIDES; i++) {
+    for (int i = 0; i < SIDES; ++i) {
         if (i == LID && sides < SIDES) continue;
         used += (size_t)snprintf(text + used, 1500 - used, "f");
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 4; ++k)
             used += (size_t)snprintf(text + used, 1500 - used, " %d//%d",
                 quads[i][turned[i] == 't' ? (4 - k) % 4 : k], i + 1);
         used += (size_t)snprintf(text + used, 1500 - used, "\n");
@@ -67,7 +67,7 @@ static void becomes(
 }
 
 static int says_undecided(const norma_document *document) {
-    for (size_t i = 0; i < norma_document_note_count(document); i++)
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
         if (strstr(norma_document_note(document, i), "neither volume nor rays")) return 1;
     return 0;
 }
@@ -76,7 +76,7 @@ static int says_undecided(const norma_document *document) {
 static void what_is_wrong_is_turned(void **state) {
     (void)state;
     char text[1500];
-    for (int sides = SIDES - 1; sides <= SIDES; sides++) {
+    for (int sides = SIDES - 1; sides <= SIDES; ++sides) {
         becomes(open_box(text, sides, "tttttt", 1), "N201", sides, "......", 1);
         becomes(open_box(text, sides, "......", -1), "N201,N206", sides, "......", 1);
         becomes(open_box(text, sides, "tttttt", 1), "N201,N302", sides, "......", 1);
@@ -88,7 +88,7 @@ static void what_is_wrong_is_turned(void **state) {
 static void most_faces_may_be_wrong(void **state) {
     (void)state;
     char text[1500];
-    for (int sides = SIDES - 1; sides <= SIDES; sides++) {
+    for (int sides = SIDES - 1; sides <= SIDES; ++sides) {
         becomes(open_box(text, sides, "tt.ttt", 1), "N301", sides, "......", 1);
         becomes(open_box(text, sides, "..t...", 1), "N301", sides, "......", 1);
         becomes(open_box(text, sides, "tt.ttt", 1), "N201,N301", sides, "......", 1);
@@ -151,15 +151,15 @@ static void a_double_sided_material_stays(void **state) {
     static const float inward[5][3] = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
     float positions[20][3], normals[20][3];
     uint16_t indices[30];
-    for (int q = 0; q < 5; q++)
-        for (int k = 0; k < 4; k++) {
+    for (int q = 0; q < 5; ++q)
+        for (int k = 0; k < 4; ++k) {
             memcpy(positions[4 * q + k], corners[quads[q][k]], sizeof positions[0]);
             memcpy(normals[4 * q + k], inward[q], sizeof normals[0]);
         }
-    for (int q = 0; q < 5; q++)
-        for (int k = 0; k < 6; k++)
+    for (int q = 0; q < 5; ++q)
+        for (int k = 0; k < 6; ++k)
             indices[6 * q + k] = (uint16_t)(4 * q + (k < 3 ? k : k == 3 ? 0 : k - 2));
-    for (int double_sided = 0; double_sided < 2; double_sided++) {
+    for (int double_sided = 0; double_sided < 2; ++double_sided) {
         gltf_asset a = {0};
         char rest[500];
         const int p = asset_floats(&a, &positions[0][0], 20, 3),
@@ -186,11 +186,11 @@ static void normals_of_facets_that_are_right_stay(void **state) {
     static const int points[4][3] = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {0, 0, 9}};
     static const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     static const int outward[4][3] = {{0, 0, -1}, {0, -1, 0}, {-1, 0, 0}, {1, 1, 1}};
-    for (int inward = 0; inward < 2; inward++) {
+    for (int inward = 0; inward < 2; ++inward) {
         char text[1500];
         size_t used = (size_t)snprintf(text, sizeof text, "solid a\n"), size;
         const int sign = inward ? 1 : -1; /* normals and winding disagree either way */
-        for (int f = 0; f < 3; f++) {
+        for (int f = 0; f < 3; ++f) {
             const int *a = points[faces[f][0]], *b = points[faces[f][inward ? 2 : 1]],
                       *c = points[faces[f][inward ? 1 : 2]];
             used += (size_t)snprintf(text + used, sizeof text - used, facet, sign * outward[f][0],
@@ -226,11 +226,11 @@ static unsigned char *sheet(const char *state, size_t *size) {
     unsigned char *stl = calloc(1, 84 + 50 * FACETS);
     assert_non_null(stl);
     stl[80] = FACETS;
-    for (int f = 0; f < FACETS; f++) {
+    for (int f = 0; f < FACETS; ++f) {
         static const int halves[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
         const int x = f / 2 % ACROSS, y = f / 2 / ACROSS, turned = state[f] == 't';
         float facet[4][3] = {{0, 0, state[f] == 'n' ? -1.0F : 1.0F}};
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const int *at = halves[f % 2][turned ? (3 - k) % 3 : k];
             facet[1 + k][0] = (float)(x + at[0] + (f == FACETS - 1 ? 8 : 0));
             facet[1 + k][1] = (float)(y + at[1] + (f >= FACETS - 2 ? 2 : 0));

@@ -31,7 +31,7 @@ static size_t count_of(norma_document *document, const char *rules) {
     assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
@@ -158,7 +158,7 @@ typedef struct ply_text {
 
 static void add_bytes(ply_text *t, const void *bytes, size_t size) {
     assert_true(t->size + size <= sizeof t->bytes);
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; ++i)
         t->bytes[t->size + i] = ((const unsigned char *)bytes)[t->encoding == 2 ? size - 1 - i : i];
     t->size += size;
 }
@@ -192,12 +192,12 @@ static void add_integer(ply_text *t, int value, size_t size, char end) {
 
 static void add_row(ply_text *t, const row *r) {
     int count = 0;
-    while (r->corners[count] >= 0) count++;
+    while (r->corners[count] >= 0) ++count;
     add_integer(t, r->flag, 1, ' ');
     add_integer(t, count, 1, ' ');
-    for (int i = 0; i < count; i++) add_integer(t, r->corners[i], 4, ' ');
+    for (int i = 0; i < count; ++i) add_integer(t, r->corners[i], 4, ' ');
     add_integer(t, r->uvs, 1, ' ');
-    for (int i = 0; i < r->uvs; i++) add_float(t, r->uv[i], ' ');
+    for (int i = 0; i < r->uvs; ++i) add_float(t, r->uv[i], ' ');
     add_integer(t, r->red, 1, '\n');
 }
 
@@ -213,16 +213,16 @@ static void make_ply(ply_text *t, int encoding, const row *rows, int count) {
         "uchar red\nelement other 1\nproperty int n\nend_header\n",
         names[encoding], count);
     add_words(t, head);
-    for (int v = 0; v < VERTICES; v++)
-        for (int k = 0; k < 3; k++) add_float(t, positions[v][k], k < 2 ? ' ' : '\n');
-    for (int i = 0; i < count; i++) add_row(t, &rows[i]);
+    for (int v = 0; v < VERTICES; ++v)
+        for (int k = 0; k < 3; ++k) add_float(t, positions[v][k], k < 2 ? ' ' : '\n');
+    for (int i = 0; i < count; ++i) add_row(t, &rows[i]);
     add_integer(t, 77, 4, '\n');
 }
 
 static void test_ply_cut(void **state) {
     (void)state;
     static ply_text before, after;
-    for (int encoding = 0; encoding < 3; encoding++) {
+    for (int encoding = 0; encoding < 3; ++encoding) {
         make_ply(&before, encoding, whole, FACES);
         make_ply(&after, encoding, cut, CUT);
         becomes("a.ply", "N404,N405", before.bytes, before.size, after.bytes, after.size);
@@ -259,18 +259,18 @@ static norma_document *open_far(gltf_asset *a, const char *node) {
     uint16_t corners[6 * (SIDE - 1) * (SIDE - 1)];
     size_t count = 0;
     char rest[1000];
-    for (int i = 0; i < GRID; i++) {
+    for (int i = 0; i < GRID; ++i) {
         const float near[3] = {
             (float)(i % SIDE) / 2, (float)(i / SIDE) / 2, (float)((i * 7) % 5) / 32};
-        for (int k = 0; k < 3; k++) first[i][k] = second[i][k] = near[k];
+        for (int k = 0; k < 3; ++k) first[i][k] = second[i][k] = near[k];
         first[i][0] += FAR_AWAY;
         second[i][0] += FAR_AWAY + 2.5F;
     }
-    for (int y = 0; y + 1 < SIDE; y++)
-        for (int x = 0; x + 1 < SIDE; x++) {
+    for (int y = 0; y + 1 < SIDE; ++y)
+        for (int x = 0; x + 1 < SIDE; ++x) {
             const int at = y * SIDE + x,
                       quad[6] = {at, at + 1, at + SIDE + 1, at, at + SIDE + 1, at + SIDE};
-            for (int k = 0; k < 6; k++) corners[count++] = (uint16_t)quad[k];
+            for (int k = 0; k < 6; ++k) corners[count++] = (uint16_t)quad[k];
         }
     asset_floats(a, &first[0][0], GRID, 3);
     asset_floats(a, &second[0][0], GRID, 3);
@@ -293,12 +293,12 @@ static void test_gltf_recentre(void **state) {
     document = scene_reopen(bytes, size, "a.glb");
     assert_int_equal(count_of(document, "N701"), 0);
     assert_int_equal(mend(document, "N701"), 0);
-    for (size_t mesh = 0; mesh < 2; mesh++) { /* exactly what it was, but for the step */
+    for (size_t mesh = 0; mesh < 2; ++mesh) { /* exactly what it was, but for the step */
         norma_mesh_data data;
         assert_int_equal(norma_document_mesh_data(document, mesh, &data, NULL), NORMA_DOCUMENT_OK);
         const float *p = data.mesh.positions.data;
         const float step = FAR_AWAY + (mesh == 1 ? 2.5F : 0) - p[0];
-        for (int i = 0; i < GRID; i++) {
+        for (int i = 0; i < GRID; ++i) {
             assert_true(
                 p[3 * i] + step == FAR_AWAY + (float)(i % SIDE) / 2 + (mesh == 1 ? 2.5F : 0));
             assert_true(
@@ -307,9 +307,9 @@ static void test_gltf_recentre(void **state) {
     }
     scene_read(document, &after);
     assert_int_equal(before.count, after.count);
-    for (size_t i = 0; i < before.count; i++)
-        for (int corner = 0; corner < 3; corner++)
-            for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < before.count; ++i)
+        for (int corner = 0; corner < 3; ++corner)
+            for (int k = 0; k < 3; ++k)
                 assert_true(fabs(before.triangles[i].position[corner][k] -
                                  after.triangles[i].position[corner][k]) < 1e-7);
     scene_free(&before);
@@ -324,7 +324,7 @@ static void test_gltf_stays(void **state) {
     (void)state;
     static const char *const nodes[] = {",\"skin\":0",
         ",\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}"};
-    for (size_t i = 0; i < sizeof nodes / sizeof *nodes; i++) {
+    for (size_t i = 0; i < sizeof nodes / sizeof *nodes; ++i) {
         gltf_asset a = {0};
         int changed = 1;
         norma_document *document = open_far(&a, nodes[i]);

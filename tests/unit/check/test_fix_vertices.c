@@ -44,7 +44,7 @@ static size_t count_of(norma_document *document, const char *rules) {
     assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++)
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
         count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
@@ -78,7 +78,7 @@ typedef struct soup_case {
 static norma_document *open_soup(gltf_asset *a, const char *rest) {
     static const float moved[SOUP][3] = {[4] = {0.25F, 0, 0}};
     float normals[SOUP][3] = {{0}};
-    for (int v = 0; v < SOUP; v++) normals[v][2] = 1;
+    for (int v = 0; v < SOUP; ++v) normals[v][2] = 1;
     asset_floats(a, &soup[0][0], SOUP, 3);
     asset_floats(a, &moved[0][0], SOUP, 3);
     asset_floats(a, &normals[0][0], SOUP, 3);
@@ -97,7 +97,7 @@ static void weld(const soup_case *c) {
     norma_mesh_data data = data_of(document, 0);
     assert_int_equal(data.mesh.positions.count, c->vertices);
     assert_int_equal(data.mesh.corner_count, SOUP);
-    for (size_t i = 0; i < SOUP; i++) {
+    for (size_t i = 0; i < SOUP; ++i) {
         assert_int_equal(corner_of(&data, i), c->corners[i]);
         if (!strstr(c->mesh, "\"POSITION\":3"))
             assert_memory_equal((const float *)data.mesh.positions.data + 3 * c->corners[i],
@@ -123,7 +123,7 @@ static void test_weld(void **state) {
         /* where both sides would share vertices there would be no direction left (N403) */
         {"\"attributes\":{\"POSITION\":3}", {0, 1, 2, 3, 4, 5}, 6},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) weld(&cases[i]);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) weld(&cases[i]);
 }
 
 /* Two primitives of one accessor of positions: each has its own vertices then, and the one that is
@@ -143,10 +143,10 @@ static void test_shared(void **state) {
     document = mended(document, "N502", &bytes, 1);
     norma_mesh_data first = data_of(document, 0), second = data_of(document, 1);
     assert_int_equal(first.mesh.positions.count, 4);
-    for (size_t i = 0; i < SOUP; i++) assert_int_equal(corner_of(&first, i), welded[i]);
+    for (size_t i = 0; i < SOUP; ++i) assert_int_equal(corner_of(&first, i), welded[i]);
     assert_int_equal(second.mesh.positions.count, SOUP);
     assert_memory_equal(second.mesh.positions.data, soup, sizeof soup);
-    for (size_t i = 0; i < 3; i++) assert_int_equal(corner_of(&second, i), corners[i]);
+    for (size_t i = 0; i < 3; ++i) assert_int_equal(corner_of(&second, i), corners[i]);
     norma_document_close(document);
     free(bytes);
     asset_free(&a);
@@ -168,7 +168,7 @@ static void split(const char *attributes, int tangents) {
     float normals[TENTS][3] = {{1, 0, 0}}, directions[TENTS][4] = {{0, 0, 1, -1}},
           moves[TENTS][3] = {{0.5F, 0, 0}};
     char rest[500];
-    for (int v = 1; v < TENTS; v++) {
+    for (int v = 1; v < TENTS; ++v) {
         float side = v < 5   ? 1.0F
                      : v < 9 ? -1.0F
                              : 0; /* inwards and up above, inwards and down below */
@@ -201,7 +201,7 @@ static void split(const char *attributes, int tangents) {
         (const float *)data.mesh.positions.data + 3 * TENTS, tents[0], sizeof tents[0]);
     uint32_t above = corner_of(&data, 0), below = corner_of(&data, 12);
     assert_true(above + below == TENTS && (above == 0 || below == 0));
-    for (size_t c = 0; c < 30; c++)
+    for (size_t c = 0; c < 30; ++c)
         assert_int_equal(corner_of(&data, c), tent_corners[c] != 0 ? tent_corners[c]
                                               : c < 12             ? above
                                                                    : below);
@@ -209,7 +209,7 @@ static void split(const char *attributes, int tangents) {
     assert_memory_equal(morph.positions.data, moves, sizeof moves);
     assert_memory_equal((const float *)morph.positions.data + 3 * TENTS, moves[0], sizeof moves[0]);
     assert_int_equal(data.normals.count, strstr(attributes, "NORMAL") ? TENTS + 1 : 0);
-    for (size_t v = 0; v < data.normals.count; v++) {
+    for (size_t v = 0; v < data.normals.count; ++v) {
         const float *n = (const float *)data.normals.data + 3 * v;
         if (v == 0 || v == TENTS)
             assert_true(fabs((double)n[0]) < 1e-6 && fabs((double)n[1]) < 1e-6 &&
@@ -219,7 +219,7 @@ static void split(const char *attributes, int tangents) {
     }
     assert_int_equal(norma_document_mesh_attributes(document, 0, &extra, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(extra.tangent_count, tangents ? TENTS + 1 : 0);
-    for (size_t v = 0; v < extra.tangent_count; v++) {
+    for (size_t v = 0; v < extra.tangent_count; ++v) {
         const float *t = extra.tangents + 4 * v;
         if (v == 0 || v == TENTS) /* its old one lay along the new normals: any across them, the
                                      sign as it was */
@@ -316,14 +316,14 @@ static void test_ply_split(void **state) {
                      "y\nproperty float z\nproperty float nx\n"
                      "property float ny\nproperty float nz\nproperty uchar red\nelement face "
                      "8\nproperty list uchar int vertex_indices\nend_header\n");
-    for (int v = 0; v < 9; v++) /* of the others the normals stay, whatever they are */
+    for (int v = 0; v < 9; ++v) /* of the others the normals stay, whatever they are */
         at += (size_t)snprintf(text + at, sizeof text - at, "%g %g %g %s %d\n", (double)tents[v][0],
             (double)tents[v][1], (double)tents[v][2],
             v == 0  ? "1 0 0"
             : v < 5 ? "0 0 1"
                     : "0 0 -1",
             v);
-    for (int f = 0; f < 8; f++)
+    for (int f = 0; f < 8; ++f)
         at += (size_t)snprintf(text + at, sizeof text - at, "3 %d %d %d\n", tent_corners[3 * f],
             tent_corners[3 * f + 1], tent_corners[3 * f + 2]);
     norma_document *document = mended_ply(text, "N403", &bytes, &size);
@@ -333,11 +333,11 @@ static void test_ply_split(void **state) {
     assert_int_equal(data.mesh.positions.count, 10);
     uint32_t above = corner_of(&data, 0), below = corner_of(&data, 12);
     assert_true(above + below == 9 && (above == 0 || below == 0));
-    for (size_t c = 0; c < 24; c++)
+    for (size_t c = 0; c < 24; ++c)
         assert_int_equal(corner_of(&data, c), tent_corners[c] != 0 ? tent_corners[c]
                                               : c < 12             ? above
                                                                    : below);
-    for (size_t v = 0; v < 10; v++) {
+    for (size_t v = 0; v < 10; ++v) {
         const float *n = (const float *)data.normals.data + 3 * v;
         assert_true(fabs((double)n[0]) < 1e-6 && fabs((double)n[1]) < 1e-6 &&
                     n[2] == (v == above || (v > 0 && v < 5) ? 1.0F : -1.0F));
@@ -374,7 +374,7 @@ static void test_refused(void **state) {
         {.source_vertices = sources, .vertex_count = 2},
         {.source_vertices = sources, .new_corners = corners},
         {.source_vertices = sources, .vertex_count = 2, .new_corners = corners}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_int_equal(
             norma_document_edit(document, &bad[i], NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
     const uint32_t wide[SOUP] = {0, 1, 2, 3, 4, 5};

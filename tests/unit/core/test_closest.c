@@ -11,7 +11,7 @@ static const uint32_t STARTS[7] = {0, 4, 8, 12, 16, 20, 24};
 
 static double distance_to_cube(const double p[3]) {
     double outside = 0, inside = -1;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         outside += pow(fmax(fabs(p[k]) - 1, 0), 2);
         inside = fmax(inside, fabs(p[k]) - 1);
     }
@@ -33,18 +33,18 @@ static void closest_in_a_cube(void **state) {
     static norma_closest found[COUNT];
     const norma_mesh mesh = cube_of_quads();
     (void)state;
-    for (int i = 0; i < COUNT; i++)
-        for (int k = 0, rest = i; k < 3; k++, rest /= SIDE) points[i][k] = rest % SIDE * 0.37 - 1.8;
-    for (uint32_t threads = 1; threads < 4; threads++) {
+    for (int i = 0; i < COUNT; ++i)
+        for (int k = 0, rest = i; k < 3; ++k, rest /= SIDE) points[i][k] = rest % SIDE * 0.37 - 1.8;
+    for (uint32_t threads = 1; threads < 4; ++threads) {
         const norma_options options = {.threads = threads};
         assert_ok(norma_closest_points(&mesh,
             (norma_vec3_view){points, COUNT, 0, NORMA_FORMAT_DOUBLE}, &options, found, COUNT));
-        for (int i = 0; i < COUNT; i++) {
+        for (int i = 0; i < COUNT; ++i) {
             double far = 0, apart = 0;
             assert_true(fabs(found[i].distance - distance_to_cube(points[i])) < 1e-12);
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 double sum = 0;
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; ++c)
                     sum += found[i].weights[c] * (double)CUBE[SIDES[found[i].corners[c]]][k];
                 apart = fmax(apart, fabs(sum - found[i].point[k]));
                 far += pow(found[i].point[k] - points[i][k], 2);
@@ -82,22 +82,22 @@ static void far_points(void **state) {
     double points[2 * COUNT][3], vast[8][3];
     norma_closest found[2 * COUNT];
     (void)state;
-    for (int i = 0; i < 2 * COUNT; i++)
-        for (int k = 0; k < 3; k++) points[i][k] = k == 0 || i >= COUNT ? FAR[i % COUNT] : 0;
+    for (int i = 0; i < 2 * COUNT; ++i)
+        for (int k = 0; k < 3; ++k) points[i][k] = k == 0 || i >= COUNT ? FAR[i % COUNT] : 0;
     const norma_vec3_view far_away = {points, 2 * COUNT, 0, NORMA_FORMAT_DOUBLE};
     assert_ok(norma_closest_points(&mesh, far_away, NULL, found, 2 * COUNT));
-    for (int i = 0; i < 2 * COUNT; i++) {
+    for (int i = 0; i < 2 * COUNT; ++i) {
         const double far = FAR[i % COUNT] * (i < COUNT ? 1 : sqrt(3));
         const int none = FAR[i % COUNT] > 0x1p300;
         assert_true(none ? found[i].face == UINT32_MAX && found[i].distance == -1
                          : fabs(found[i].distance / far - 1) < 1e-9);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             assert_true(isfinite(found[i].weights[k]) && fabs(found[i].point[k]) <= 1);
     }
     norma_mesh great =
         mesh; /* DBL_MAX is near it; the distance to its other side is not a double */
-    for (int i = 0; i < 8; i++)
-        for (int k = 0; k < 3; k++) vast[i][k] = (double)CUBE[i][k] * 1e300 - (k ? 0 : 1e308);
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 3; ++k) vast[i][k] = (double)CUBE[i][k] * 1e300 - (k ? 0 : 1e308);
     great.positions = (norma_vec3_view){vast, 8, 0, NORMA_FORMAT_DOUBLE};
     const double ends[2][3] = {{-DBL_MAX, 0, 0}, {DBL_MAX, 0, 0}};
     assert_ok(norma_closest_points(

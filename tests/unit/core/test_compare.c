@@ -34,12 +34,12 @@ static void shade_flat(shaded *s) {
     s->normals = test_calloc(s->mesh.corner_count, 12);
     s->numbers = test_calloc(s->mesh.corner_count, 4);
     assert_ok(norma_corner_normals(&mesh, -1, NULL, s->normals, s->mesh.corner_count, NULL));
-    for (uint32_t i = 0; i < s->mesh.corner_count; i++) s->numbers[i] = i;
+    for (uint32_t i = 0; i < s->mesh.corner_count; ++i) s->numbers[i] = i;
 }
 
 static void shade_radial(shaded *s) {
     s->normals = test_calloc(s->mesh.position_count, 12);
-    for (size_t i = 0; i < 3 * s->mesh.position_count; i++)
+    for (size_t i = 0; i < 3 * s->mesh.position_count; ++i)
         s->normals[i] = (float)s->mesh.positions[i / 3][i % 3];
 }
 
@@ -58,17 +58,17 @@ static shaded shuffled(const shaded *s, uint64_t seed) {
     shaded out = {.normals = test_calloc(s->mesh.corner_count, 12),
         .numbers = test_calloc(s->mesh.corner_count, 4)};
     uint32_t *order = test_calloc(s->mesh.face_count, 4);
-    for (uint32_t i = 0; i < s->mesh.face_count; i++) {
+    for (uint32_t i = 0; i < s->mesh.face_count; ++i) {
         const uint32_t k = shape_random(&seed) % (i + 1);
         order[i] = order[k];
         order[k] = i;
     }
-    for (size_t i = 0, c = 0; i < s->mesh.face_count; i++) {
+    for (size_t i = 0, c = 0; i < s->mesh.face_count; ++i) {
         const uint32_t begin = s->mesh.starts[order[i]];
         const size_t count = s->mesh.starts[order[i] + 1] - begin,
                      turn = shape_random(&seed) % count;
         uint32_t corners[8];
-        for (size_t k = 0; k < count; k++, c++) {
+        for (size_t k = 0; k < count; ++k, ++c) {
             const uint32_t from = begin + (uint32_t)((k + turn) % count);
             const double *p = s->mesh.positions[s->mesh.corners[from]];
             mesh_file_add_position(&out.mesh, p[0], p[1], p[2]);
@@ -94,8 +94,8 @@ static void a_dot_in_the_middle_of_a_sphere(void **state) {
     shade_radial(&base);
     shape_octahedron_sphere(&other.mesh, 60);
     shade_radial(&other);
-    for (size_t i = 0; i < other.mesh.position_count; i++)
-        for (int k = 0; k < 3; k++) other.mesh.positions[i][k] *= 0x1p-20;
+    for (size_t i = 0; i < other.mesh.position_count; ++i)
+        for (int k = 0; k < 3; ++k) other.mesh.positions[i][k] *= 0x1p-20;
     const norma_surface a = view_of(&base), b = view_of(&other);
     const size_t count = other.mesh.corner_count;
     norma_compare_sample *samples = test_calloc(count, sizeof *samples);
@@ -124,7 +124,7 @@ static void an_octahedron_in_a_sphere(void **state) {
     assert_int_equal(same, 0);
     assert_int_equal(sum.corners, 24);
     const double angle = 54.735610317245346, values[] = {sum.p50_rad, sum.p99_rad, sum.max_rad};
-    for (int i = 0; i < 3; i++) assert_near(values[i] * DEGREES, angle, 1e-5);
+    for (int i = 0; i < 3; ++i) assert_near(values[i] * DEGREES, angle, 1e-5);
     assert_near(sum.area, 4 * sqrt(3), 1e-9); /* eight of sides sqrt 2 */
     assert_true(sum.max_distance < 1e-7 && sum.share_above == 1);
     assert_ok(norma_compare_summary(samples, 24, 54.8 / DEGREES, NULL, &sum));
@@ -148,7 +148,7 @@ static void a_decimated_sphere(void **state) {
     shade_flat(&flat);
     shade_radial(&round);
     norma_compare_sample *samples = compare(&base, &flat, &same, &sum, 0);
-    for (size_t c = 0; c < flat.mesh.corner_count; c++) {
+    for (size_t c = 0; c < flat.mesh.corner_count; ++c) {
         const double *p = flat.mesh.positions[flat.mesh.corners[c]];
         const double expected = degrees_between(flat.normals + 3 * c, p);
         assert_near((double)samples[c].angle_rad * DEGREES, expected, 1e-4);
@@ -189,7 +189,7 @@ static void a_turned_plane(void **state) {
         shape_fan(&other.mesh, 6);
         shade_flat(&base);
         shade_flat(&other);
-        for (size_t c = 0; c < other.mesh.corner_count; c++) {
+        for (size_t c = 0; c < other.mesh.corner_count; ++c) {
             other.normals[3 * c] = (float)sin(degrees / DEGREES);
             other.normals[3 * c + 2] *= (float)cos(degrees / DEGREES);
         }
@@ -218,7 +218,7 @@ static void expect_equal(const shaded *s) {
 
 static void another_order_is_no_difference(void **state) {
     (void)state;
-    for (int kind = 0; kind < 5; kind++) {
+    for (int kind = 0; kind < 5; ++kind) {
         shaded s = {0};
         if (kind == 0) shape_box(&s.mesh, 3, 1, 2, 1);
         if (kind == 1) shape_uv_sphere(&s.mesh, 30, 20, 1, 0);
@@ -227,7 +227,7 @@ static void another_order_is_no_difference(void **state) {
         if (kind == 4) shape_octahedron_sphere(&s.mesh, 9);
         if (kind == 3) { /* and each face's twin, seen from behind */
             const size_t faces = s.mesh.face_count;
-            for (size_t f = 0; f < faces; f++) {
+            for (size_t f = 0; f < faces; ++f) {
                 const uint32_t *c = s.mesh.corners + s.mesh.starts[f];
                 mesh_file_add_face(&s.mesh, (const uint32_t[]){c[0], c[2], c[1]}, 3);
             }
@@ -248,13 +248,13 @@ static void a_wrong_side_is_seen(void **state) {
     shade_flat(&base);
     shaded other = shuffled(&base, 3);
     const float was[3] = {other.normals[0], other.normals[1], other.normals[2]};
-    for (int c = 0; c < 4; c++)
-        for (int k = 0; k < 3; k++) other.normals[3 * c + k] = was[(k + 1) % 3];
+    for (int c = 0; c < 4; ++c)
+        for (int k = 0; k < 3; ++k) other.normals[3 * c + k] = was[(k + 1) % 3];
     norma_compare_sample *samples = compare(&base, &other, &same, &sum, 1 / DEGREES);
     assert_near(sum.max_rad * DEGREES, 90, 1e-5);
     assert_near(sum.share_above, 1.0 / 6, 1e-9);
     assert_true(sum.p50_rad == 0 && sum.worst == 0);
-    for (int c = 0; c < 24; c++) assert_int_equal(samples[c].angle_rad > 1, c < 4);
+    for (int c = 0; c < 24; ++c) assert_int_equal(samples[c].angle_rad > 1, c < 4);
     test_free(samples);
     shaded_free(&base);
     shaded_free(&other);
@@ -270,7 +270,7 @@ static void moved_corners_stay_on_their_side(void **state) {
     shape_box(&base.mesh, 1, 1, 1, 1);
     shade_flat(&base);
     shaded other = shuffled(&base, 3);
-    for (size_t i = 0; i < 3 * other.mesh.position_count; i++)
+    for (size_t i = 0; i < 3 * other.mesh.position_count; ++i)
         other.mesh.positions[i / 3][i % 3] += 1e-3 * shape_random_unit(&seed);
     test_free(compare(&base, &other, &same, &sum, 0));
     assert_true(!same && sum.max_distance > 1e-4 && sum.max_distance < 2e-3);
@@ -286,26 +286,26 @@ static void moved_corners_stay_on_their_side(void **state) {
 static double distance_to(const double p[3], double corners[3][3]) {
     double normal[3], u[3], v[3], from[3], least = INFINITY;
     int inside = 1;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         u[k] = corners[1][k] - corners[0][k];
         v[k] = corners[2][k] - corners[0][k];
         from[k] = p[k] - corners[0][k];
     }
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         normal[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
     const double length =
         sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    for (int e = 0; e < 3; e++) {
+    for (int e = 0; e < 3; ++e) {
         const double *a = corners[e], *b = corners[(e + 1) % 3];
         double along = 0, square = 0, turn = 0, sum = 0;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const int x = (k + 1) % 3, y = (k + 2) % 3;
             along += (p[k] - a[k]) * (b[k] - a[k]);
             square += (b[k] - a[k]) * (b[k] - a[k]);
             turn += normal[k] * ((b[x] - a[x]) * (p[y] - a[y]) - (b[y] - a[y]) * (p[x] - a[x]));
         }
         const double t = fmin(fmax(square > 0 ? along / square : 0, 0), 1);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const double d = p[k] - a[k] - t * (b[k] - a[k]);
             sum += d * d;
         }
@@ -317,40 +317,40 @@ static double distance_to(const double p[3], double corners[3][3]) {
 }
 
 static void random_triangles(shaded *s, uint64_t *seed, size_t count, double spread) {
-    for (uint32_t f = 0; f < count; f++) {
+    for (uint32_t f = 0; f < count; ++f) {
         double middle[3];
         const double size = f % 5 ? 0.3 : 0.9, thin = f % 7 ? 1 : 1e-4;
-        for (int k = 0; k < 3; k++) middle[k] = spread * shape_random_unit(seed);
-        for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; ++k) middle[k] = spread * shape_random_unit(seed);
+        for (int i = 0; i < 3; ++i)
             mesh_file_add_position(&s->mesh, middle[0] + size * shape_random_unit(seed),
                 middle[1] + size * thin * shape_random_unit(seed),
                 middle[2] + size * thin * shape_random_unit(seed));
         mesh_file_add_face(&s->mesh, (const uint32_t[]){3 * f, 3 * f + 1, 3 * f + 2}, 3);
     }
     s->normals = test_calloc(s->mesh.position_count, 12);
-    for (size_t i = 0; i < 3 * s->mesh.position_count; i++)
+    for (size_t i = 0; i < 3 * s->mesh.position_count; ++i)
         s->normals[i] = (float)shape_random_unit(seed);
 }
 
 static void corners_at(const shaded *s, size_t face, double corners[3][3]) {
-    for (size_t i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; ++i)
         memcpy(corners[i], s->mesh.positions[s->mesh.corners[3 * face + i]], sizeof corners[i]);
 }
 
 static void every_triangle_is_asked(void **state) {
     (void)state;
     uint64_t seed = 11;
-    for (int round = 0; round < 24 / SLOWER + 1; round++) {
+    for (int round = 0; round < 24 / SLOWER + 1; ++round) {
         shaded base = {0}, other = {0};
         norma_comparison sum;
         int same;
         random_triangles(&base, &seed, 20 + (size_t)(40 * round), 2);
         random_triangles(&other, &seed, 60, 3);
         norma_compare_sample *samples = compare(&base, &other, &same, &sum, 0);
-        for (size_t c = 0; c < other.mesh.corner_count; c++) {
+        for (size_t c = 0; c < other.mesh.corner_count; ++c) {
             const double *p = other.mesh.positions[c];
             double least = INFINITY, corners[3][3];
-            for (size_t f = 0; f < base.mesh.face_count; f++) {
+            for (size_t f = 0; f < base.mesh.face_count; ++f) {
                 corners_at(&base, f, corners);
                 least = fmin(least, distance_to(p, corners));
             }
@@ -381,7 +381,7 @@ static void no_triangle_is_lost(void **state) {
     random_triangles(&base, &seed, TRIANGLES, 2);
     random_triangles(&other, &again, TRIANGLES + 1, 2);
     norma_compare_sample *samples = compare(&base, &other, &same, &sum, 0);
-    for (size_t c = 0; c < 3 * (size_t)TRIANGLES; c++) assert_true(samples[c].distance == 0);
+    for (size_t c = 0; c < 3 * (size_t)TRIANGLES; ++c) assert_true(samples[c].distance == 0);
     test_free(samples);
     shaded_free(&base);
     shaded_free(&other);
@@ -395,7 +395,7 @@ static void a_concave_polygon_is_cut(void **state) {
     int same;
     const double corners[2][4][2] = {
         {{2, 1}, {1, 0}, {2, -1}, {-1, 0}}, {{1.5, 0}, {1.75, 0.25}, {1.25, 0}, {0, 0}}};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         mesh_file_add_position(&base.mesh, corners[0][i][0], corners[0][i][1], 0);
         mesh_file_add_position(&other.mesh, corners[1][i][0], corners[1][i][1], 0);
     }
@@ -405,7 +405,7 @@ static void a_concave_polygon_is_cut(void **state) {
     shade_flat(&other);
     norma_compare_sample *samples = compare(&base, &other, &same, &sum, 0);
     const double half = sqrt(0.5), expected[3] = {0.5 * half, 0.5 * half, 0.25 * half};
-    for (int i = 0; i < 3; i++) assert_near((double)samples[i].distance, expected[i], 1e-6);
+    for (int i = 0; i < 3; ++i) assert_near((double)samples[i].distance, expected[i], 1e-6);
     test_free(samples);
     shaded_free(&base);
     shaded_free(&other);
@@ -415,7 +415,7 @@ static void percentiles_are_of_area(void **state) {
     (void)state;
     norma_compare_sample samples[101];
     norma_comparison sum;
-    for (int i = 0; i < 100; i++)
+    for (int i = 0; i < 100; ++i)
         samples[i] = (norma_compare_sample){
             .area = 1, .angle_rad = 0.01f * (float)(99 - i), .distance = (float)i};
     samples[100] = (norma_compare_sample){.area = 0, .angle_rad = 3, .distance = 1000};
@@ -453,7 +453,7 @@ static void no_size_and_no_thread_changes_anything(void **state) {
         a = view_of(&base);
         b = view_of(&other);
         assert_ok(norma_compare(&a, &b, NULL, got, 9000, NULL));
-        for (size_t i = 0; i < 9000; i++) {
+        for (size_t i = 0; i < 9000; ++i) {
             assert_near((double)got[i].angle_rad, (double)expected[i].angle_rad, 0);
             assert_near(
                 got[i].area, ldexp(expected[i].area, 2 * power), 1e-14 * ldexp(1, 2 * power));
@@ -505,7 +505,7 @@ static void memory_and_arguments(void **state) {
     random_triangles(&base, &seed, 50, 2);
     random_triangles(&other, &seed, 100, 2);
     norma_surface a = view_of(&base), b = view_of(&other), empty = {.corner_normals = NULL};
-    for (size_t n = 1;; n++) {
+    for (size_t n = 1;; ++n) {
         accountant account = {.fail_at = n};
         const norma_options options = {.allocator = {accountant_take, accountant_give, &account}};
         norma_result result = norma_compare(&a, &b, &options, samples, 300, NULL);
@@ -527,7 +527,7 @@ static void memory_and_arguments(void **state) {
     assert_ok(norma_compare_summary(samples, 300, 4, NULL, &sum));
     assert_int_equal(sum.missing, 300);
     assert_true(sum.share_above == 1 && samples[0].face == UINT32_MAX && samples[0].distance == -1);
-    b.normals.count--;
+    --b.normals.count;
     assert_int_equal(norma_compare(&a, &b, NULL, samples, 300, NULL), NORMA_ERROR_INDEX);
     b.normals.count = 0;
     assert_int_equal(norma_compare(&a, &b, NULL, samples, 300, NULL), NORMA_ERROR_ARGUMENT);

@@ -19,7 +19,7 @@ static double area_of(const double a[2], const double b[2], const double c[2]) {
 
 static double area_of_polygon(const flat_polygon *p) {
     double sum = 0;
-    for (size_t i = 1; i + 1 < p->count; i++)
+    for (size_t i = 1; i + 1 < p->count; ++i)
         sum += area_of(p->points[0], p->points[i], p->points[i + 1]);
     return sum;
 }
@@ -42,7 +42,7 @@ static size_t cut(const flat_polygon *p, uint32_t *triangles) {
     void *memory = malloc(norma_core_cutter_size(p->count));
     assert_non_null(memory);
     norma_core_cutter_begin(&cutter, memory, p->count, p->count);
-    for (size_t i = 0; i < p->count; i++) place(p->points[i], cutter.points[i]);
+    for (size_t i = 0; i < p->count; ++i) place(p->points[i], cutter.points[i]);
     const size_t ears = norma_core_cut_polygon(&cutter, p->count, triangles);
     free(memory);
     return ears;
@@ -54,7 +54,7 @@ static void assert_cut_well(const flat_polygon *p) {
     const double whole = area_of_polygon(p);
     assert_true(whole > 0);
     assert_int_equal(cut(p, triangles), p->count - 2);
-    for (size_t t = 0; t + 2 < p->count; t++) {
+    for (size_t t = 0; t + 2 < p->count; ++t) {
         const uint32_t *c = &triangles[3 * t];
         assert_true(c[0] < p->count && c[1] < p->count && c[2] < p->count);
         const double area = area_of(p->points[c[0]], p->points[c[1]], p->points[c[2]]);
@@ -67,9 +67,9 @@ static void assert_cut_well(const flat_polygon *p) {
 static void stars_with_random_rays(void **state) {
     (void)state;
     uint32_t seed = 1;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 300; ++round) {
         flat_polygon p = {.count = 4 + (size_t)round % 60};
-        for (size_t i = 0; i < p.count; i++) {
+        for (size_t i = 0; i < p.count; ++i) {
             const double angle = 6.283185307179586 * (double)i / (double)p.count,
                          radius = .1 + random_number(&seed);
             p.points[i][0] = radius * cos(angle);
@@ -83,9 +83,9 @@ static void stars_with_random_rays(void **state) {
 static void a_spiral(void **state) {
     (void)state;
     flat_polygon p = {.count = MOST};
-    for (size_t i = 0; i < MOST / 2; i++) {
+    for (size_t i = 0; i < MOST / 2; ++i) {
         const double angle = .2 * (double)i;
-        for (int side = 0; side < 2; side++) {
+        for (int side = 0; side < 2; ++side) {
             double *to = p.points[side ? MOST - 1 - i : i];
             const double radius = 1 + angle + (side ? 0 : 2);
             to[0] = radius * cos(angle);
@@ -103,7 +103,7 @@ static void a_comb_of_needles(void **state) {
     p.points[p.count++][1] = -1;
     p.points[p.count][0] = 90;
     p.points[p.count++][1] = -1;
-    for (int tooth = 90; tooth >= 0; tooth--) {
+    for (int tooth = 90; tooth >= 0; --tooth) {
         p.points[p.count][0] = tooth;
         p.points[p.count++][1] = tooth % 2 ? 100 : .5 * random_number(&seed);
     }
@@ -115,7 +115,7 @@ static void what_crosses_itself_is_a_fan_in_part(void **state) {
     const flat_polygon bow = {5, {{0, 0}, {4, 0}, {0, 2}, {4, 2}, {2, 5}}};
     uint32_t triangles[3 * MOST];
     assert_true(cut(&bow, triangles) < 3);
-    for (size_t i = 0; i < 9; i++) assert_true(triangles[i] < 5);
+    for (size_t i = 0; i < 9; ++i) assert_true(triangles[i] < 5);
 }
 
 static void without_area_or_with_nan_it_is_a_fan(void **state) {

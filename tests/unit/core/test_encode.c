@@ -73,7 +73,7 @@ static void check_formula(int encoding, uint32_t code) {
     float got[3];
     formula(encoding, code, exact);
     vector_of(all[encoding], code, got);
-    for (int k = 0; k < 3; k++) v[k] = (long double)got[k];
+    for (int k = 0; k < 3; ++k) v[k] = (long double)got[k];
     if (square_of(exact) == 0) {
         assert_true(got[0] == 0 && got[1] == 0 && got[2] == 1);
         return;
@@ -86,9 +86,9 @@ static void check_formula(int encoding, uint32_t code) {
 static void decoding_is_the_formula(void **state) {
     (void)state;
     uint64_t seed = 1;
-    for (uint32_t code = 0; code < 65536; code++) check_formula(NORMA_ENCODING_OCT8, code);
-    for (int round = 0; round < 200000 / SLOWER; round++)
-        for (int e = 0; e < 4; e++) check_formula(e, shape_random(&seed));
+    for (uint32_t code = 0; code < 65536; ++code) check_formula(NORMA_ENCODING_OCT8, code);
+    for (int round = 0; round < 200000 / SLOWER; ++round)
+        for (int e = 0; e < 4; ++e) check_formula(e, shape_random(&seed));
     check_formula(NORMA_ENCODING_10_10_10_2, 0);
     check_formula(NORMA_ENCODING_10_10_10_2, 3u << 30);
     float a[3], b[3];
@@ -111,14 +111,14 @@ static float oct8_vectors[65536][3];
 
 static void all_oct8_vectors(void) {
     static uint32_t codes[65536];
-    for (uint32_t code = 0; code < 65536; code++) codes[code] = code;
+    for (uint32_t code = 0; code < 65536; ++code) codes[code] = code;
     assert_ok(norma_decode_normals(codes, 0, 65536, NORMA_ENCODING_OCT8, oct8_vectors[0], 0));
 }
 
 static uint32_t nearest_oct8(const long double n[3]) {
     long double most = -1;
     uint32_t best = 0;
-    for (uint32_t code = 0; code < 65536; code++) {
+    for (uint32_t code = 0; code < 65536; ++code) {
         const long double c = closeness(n, oct8_vectors[code]);
         if (c <= most) continue;
         most = c;
@@ -137,9 +137,9 @@ static void oct8_is_the_nearest_of_all(void **state) {
         assert_int_equal(code_of(NORMA_ENCODING_OCT8, (double)n[0], (double)n[1], (double)n[2]),
             nearest_oct8(n));
     }
-    for (int round = 0; round < 500 / SLOWER; round++) {
+    for (int round = 0; round < 500 / SLOWER; ++round) {
         long double n[3];
-        for (int k = 0; k < 3; k++) n[k] = shape_random_unit(&seed);
+        for (int k = 0; k < 3; ++k) n[k] = shape_random_unit(&seed);
         assert_int_equal(code_of(NORMA_ENCODING_OCT8, (double)n[0], (double)n[1], (double)n[2]),
             nearest_oct8(n));
     }
@@ -157,7 +157,7 @@ static int octahedral_codes_around(int encoding, const long double n[3], uint32_
         y = copysignl(1 - fabsl(x), y);
         x = u;
     }
-    for (int i = 0; i < AROUND; i++) {
+    for (int i = 0; i < AROUND; ++i) {
         long u = lroundl(x * most) + i % (2 * STEPS + 1) - STEPS,
              v = lroundl(y * most) + i / (2 * STEPS + 1) - STEPS;
         if (labs(u) > most) u = u < 0 ? -2L * most - u : 2L * most - u, v = -v;
@@ -175,12 +175,12 @@ static int on_an_axis(const long double n[3]) {
 static int codes_within_a_step(const long double n[3], uint32_t codes[AROUND], int *sure) {
     const long double scale = 511 / sqrtl(square_of(n));
     int count = 0;
-    for (int doubtful = 0; doubtful < 2; doubtful++) {
-        for (int i = 0; i < 27; i++) {
+    for (int doubtful = 0; doubtful < 2; ++doubtful) {
+        for (int i = 0; i < 27; ++i) {
             const int step[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
             long double furthest = 0;
             uint32_t code = 0;
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 const long number = lroundl(n[k] * scale) + step[k];
                 furthest = fmaxl(furthest, fabsl((long double)number - n[k] * scale));
                 code |= ((uint32_t)number & 1023) << (10 * k);
@@ -209,7 +209,7 @@ static void check_nearest(int encoding, const double given[3]) {
     int found = 0;
     assert_true(own <= sinl(norma_encoding_error_rad(all[encoding])) *
                            sinl(norma_encoding_error_rad(all[encoding])));
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         vector_of(all[encoding], codes[i], other);
         const long double w[3] = {
             (long double)other[0], (long double)other[1], (long double)other[2]};
@@ -225,10 +225,10 @@ static void check_nearest(int encoding, const double given[3]) {
 static void the_nearest_of_those_around(void **state) {
     (void)state;
     uint64_t seed = 3;
-    for (int e = 0; e < 4; e++) {
-        for (int round = 0; round < 20000 / SLOWER; round++) {
+    for (int e = 0; e < 4; ++e) {
+        for (int round = 0; round < 20000 / SLOWER; ++round) {
             double n[3];
-            for (int k = 0; k < 3; k++) n[k] = shape_random_unit(&seed);
+            for (int k = 0; k < 3; ++k) n[k] = shape_random_unit(&seed);
             if (round % 4 == 1) n[round % 3] *= 1e-3; /* near edges */
             if (round % 4 == 2) n[round % 3] *= 100;  /* near axes */
             if (round % 8 == 3) n[round % 3] = 0;
@@ -246,14 +246,14 @@ static void the_nearest_of_those_around(void **state) {
 static void next_to_a_tie(void **state) {
     (void)state;
     uint64_t seed = 4;
-    for (int round = 0; round < 3000 / SLOWER; round++) {
+    for (int round = 0; round < 3000 / SLOWER; ++round) {
         const uint32_t x = shape_random(&seed) % 10000, y = shape_random(&seed) % 10000 + 1;
         float a[3], b[3];
         vector_of(NORMA_ENCODING_OCT16, x | y << 16, a);
         vector_of(NORMA_ENCODING_OCT16, round % 2 ? (x + 1) | y << 16 : (x + 1) | (y - 1) << 16, b);
         double n[3];
-        for (int k = 0; k < 3; k++) n[k] = (double)a[k] + (double)b[k];
-        for (int step = -2; step <= 2; step++) {
+        for (int k = 0; k < 3; ++k) n[k] = (double)a[k] + (double)b[k];
+        for (int step = -2; step <= 2; ++step) {
             double moved[3] = {n[0] + step * 0x1p-52, n[1], n[2]};
             check_nearest(NORMA_ENCODING_OCT16, moved);
         }
@@ -265,7 +265,7 @@ static void next_to_a_tie(void **state) {
 static void next_to_whole_numbers(void **state) {
     (void)state;
     uint64_t seed = 6;
-    for (int round = 0; round < 20000 / SLOWER; round++) {
+    for (int round = 0; round < 20000 / SLOWER; ++round) {
         const double whole = shape_random(&seed) % 510 + 1, turn = 4 * shape_random_unit(&seed),
                      beside = sqrt(511 * 511 - whole * whole);
         const double n[3] = {whole, beside * cos(turn), beside * sin(turn)};
@@ -277,8 +277,8 @@ static void next_to_whole_numbers(void **state) {
 static void of_two_the_lower(void **state) {
     (void)state;
     uint64_t seed = 7;
-    for (int round = 0; round < 20000 / SLOWER; round++)
-        for (int e = 0; e < 4; e++) {
+    for (int round = 0; round < 20000 / SLOWER; ++round)
+        for (int e = 0; e < 4; ++e) {
             const double x = shape_random_unit(&seed), z = shape_random_unit(&seed);
             const int bits = bits_of_all[e];
             const uint32_t code = code_of(all[e], x, x, z), mask = (1u << bits) - 1,
@@ -318,13 +318,13 @@ static void any_length_and_none(void **state) {
     (void)state;
     const double in[7][3] = {{0, 0, 0}, {1e-310, 2e-310, -3e-310}, {NAN, 1, 0}, {-0.0, 0, 0},
         {1e300, 2e300, -3e300}, {0, INFINITY, 1}, {1, 2, -3}};
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < 4; ++e) {
         uint32_t codes[7];
         norma_report report;
         assert_ok(norma_encode_normals(
             (norma_vec3_view){in, 7, 0, NORMA_FORMAT_DOUBLE}, all[e], codes, 0, 7, &report));
         const uint32_t up = code_of(all[e], 0, 0, 1);
-        for (int i = 0; i < 6; i++) assert_int_equal(codes[i], i % 3 == 1 ? codes[6] : up);
+        for (int i = 0; i < 6; ++i) assert_int_equal(codes[i], i % 3 == 1 ? codes[6] : up);
         assert_int_equal(report.cancelled.count, 2);
         assert_int_equal(report.cancelled.first, 0);
         assert_int_equal(report.non_finite.count, 2);
@@ -357,14 +357,14 @@ static void strides_and_arguments(void **state) {
                          (norma_vec3_view){NULL, 2, 0, NORMA_FORMAT_FLOAT}, e, codes, 0, 2, NULL),
         NORMA_ERROR_ARGUMENT);
     assert_ok(norma_encode_normals((norma_vec3_view){0}, e, NULL, 0, 0, NULL));
-    for (int i = 0; i < 4; i++) assert_int_equal(codes[i], 9);
+    for (int i = 0; i < 4; ++i) assert_int_equal(codes[i], 9);
     assert_ok(norma_encode_normals(view, e, codes, 8, 2, NULL));
     assert_int_equal(codes[0], 0);
     assert_int_equal(codes[1], 9);
     assert_int_equal(codes[2], 32767);
     assert_int_equal(codes[3], 9);
 
-    for (int i = 0; i < 8; i++) out[i] = 5;
+    for (int i = 0; i < 8; ++i) out[i] = 5;
     assert_int_equal(norma_decode_normals(codes, 8, 2, none, out, 0), NORMA_ERROR_ARGUMENT);
     assert_int_equal(norma_decode_normals(NULL, 8, 2, e, out, 0), NORMA_ERROR_ARGUMENT);
     assert_int_equal(norma_decode_normals(codes, 2, 2, e, out, 0), NORMA_ERROR_ARGUMENT);
@@ -373,7 +373,7 @@ static void strides_and_arguments(void **state) {
     assert_int_equal(norma_decode_normals(codes, SIZE_MAX, 2, e, out, 0), NORMA_ERROR_OVERFLOW);
     assert_int_equal(norma_decode_normals(codes, 0, 2, e, out, SIZE_MAX), NORMA_ERROR_OVERFLOW);
     assert_ok(norma_decode_normals(NULL, 0, 0, e, NULL, 0));
-    for (int i = 0; i < 8; i++) assert_true(out[i] == 5);
+    for (int i = 0; i < 8; ++i) assert_true(out[i] == 5);
     assert_ok(norma_decode_normals(codes, 8, 2, e, out, 16));
     const float expected[8] = {0, 0, 1, 5, 1, 0, 0, 5};
     assert_memory_equal(out, expected, sizeof out);
@@ -394,8 +394,8 @@ static uint32_t alone[NORMALS], together[NORMALS];
 
 static void make_normals(void) {
     uint64_t seed = 5;
-    for (int i = 0; i < NORMALS; i++) {
-        for (int k = 0; k < 3; k++) normals[i][k] = (float)shape_random_unit(&seed);
+    for (int i = 0; i < NORMALS; ++i) {
+        for (int k = 0; k < 3; ++k) normals[i][k] = (float)shape_random_unit(&seed);
         if (i % 16 == 0) normals[i][i / 16 % 3] = normals[i][(i / 16 + 1) % 3];
         if (i % 16 == 1) normals[i][i / 16 % 3] = 0;
         if (i % 256 == 2) normals[i][0] = NAN;
@@ -409,11 +409,11 @@ static void every_kernel_gives_the_same_codes(void **state) {
     const core_level best = norma_core_level(NORMA_ISA_BEST);
     make_normals();
     const norma_vec3_view view = {normals, NORMALS, 0, NORMA_FORMAT_FLOAT};
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < 4; ++e) {
         chosen = CORE_PORTABLE;
         assert_ok(encode_as_chosen(view, all[e], alone, 0, NORMALS, NULL));
         assert_ok(decode_as_chosen(alone, 0, NORMALS, all[e], back[0][0], 0));
-        for (int level = CORE_PORTABLE; level <= (int)best; level++) {
+        for (int level = CORE_PORTABLE; level <= (int)best; ++level) {
             chosen = (core_level)level;
             assert_ok(encode_as_chosen(view, all[e], together, 0, NORMALS, NULL));
             assert_ok(decode_as_chosen(together, 0, NORMALS, all[e], back[1][0], 0));
@@ -431,11 +431,11 @@ static void same_codes_everywhere(void **state) {
     (void)state;
     static const uint32_t expected[] = {0xbc25ae0f, 0x6cebfca4, 0x89deb89e, 0x2922071a};
     make_normals();
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < 4; ++e) {
         uint32_t hash = 2166136261u;
         assert_ok(norma_encode_normals((norma_vec3_view){normals, NORMALS, 0, NORMA_FORMAT_FLOAT},
             all[e], alone, 0, NORMALS, NULL));
-        for (int i = 0; i < NORMALS; i++) hash = (hash ^ alone[i]) * 16777619u;
+        for (int i = 0; i < NORMALS; ++i) hash = (hash ^ alone[i]) * 16777619u;
         assert_int_equal(hash, expected[e]);
     }
 }
@@ -443,7 +443,7 @@ static void same_codes_everywhere(void **state) {
 static void *encode_part(void *context) {
     const size_t part = *(const size_t *)context, first = part * (NORMALS / PARTS),
                  count = part + 1 < PARTS ? NORMALS / PARTS : NORMALS - first;
-    for (int round = 0; round < 4; round++)
+    for (int round = 0; round < 4; ++round)
         if (norma_encode_normals((norma_vec3_view){normals[first], count, 0, NORMA_FORMAT_FLOAT},
                 NORMA_ENCODING_OCT16, together + first, 0, count, NULL))
             abort();
@@ -458,11 +458,11 @@ static void callers_at_once(void **state) {
     memset(together, 0, sizeof together);
     assert_ok(norma_encode_normals((norma_vec3_view){normals, NORMALS, 0, NORMA_FORMAT_FLOAT},
         NORMA_ENCODING_OCT16, alone, 0, NORMALS, NULL));
-    for (size_t i = 0; i < PARTS; i++) {
+    for (size_t i = 0; i < PARTS; ++i) {
         parts[i] = i;
         assert_int_equal(pthread_create(&threads[i], NULL, encode_part, &parts[i]), 0);
     }
-    for (size_t i = 0; i < PARTS; i++) pthread_join(threads[i], NULL);
+    for (size_t i = 0; i < PARTS; ++i) pthread_join(threads[i], NULL);
     assert_memory_equal(alone, together, sizeof alone);
 }
 

@@ -48,7 +48,7 @@ static interval square_length(const interval v[3]) {
     return plus(plus(square(v[0]), square(v[1])), square(v[2]));
 }
 static void cross_of(const interval a[3], const interval b[3], interval out[3]) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         out[k] =
             minus(times(a[(k + 1) % 3], b[(k + 2) % 3]), times(a[(k + 2) % 3], b[(k + 1) % 3]));
 }
@@ -69,13 +69,13 @@ static const int corners_of[2][3][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{1, 0}, {0, 1
 
 static int circle_is_within(const triangles *t, interval j, interval k, const int corners[3][2]) {
     interval c[3][3], length[3], product = exactly(1);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         c[i][1] = plus(j, exactly(corners[i][0]));
         c[i][2] = plus(k, exactly(corners[i][1]));
         c[i][0] = minus(minus(exactly(t->most), c[i][1]), c[i][2]);
         length[i] = square_length(c[i]);
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const int next = (i + 1) % 3, v = corners[next][0] - corners[i][0],
                   w = corners[next][1] - corners[i][1];
         const interval edge[3] = {exactly(-v - w), exactly(v), exactly(w)};
@@ -96,7 +96,7 @@ static int rectangle_is_within(triangles *t, int j, int k, int size) {
     const int most = (int)t->most;
     if (j + k > most - 1 || most - j - k < j - 2 || k > j + size) return 1;
     const interval js = {j, j + size - 1}, ks = {k, k + size - 1};
-    t->looked_at++;
+    ++t->looked_at;
     const int fits = j + k + 2 * size < most; /* else numbers below 0 would be among them */
     if (fits && circle_is_within(t, js, ks, corners_of[0]) &&
         circle_is_within(t, js, ks, corners_of[1]))
@@ -122,7 +122,7 @@ static int octahedron_is_within(norma_encoding encoding, int most, double angle)
 static void octahedra_are_proven(void **state) {
     (void)state;
     static const int most[] = {127, 2047, 32767};
-    for (int e = 0; e < 3; e++) {
+    for (int e = 0; e < 3; ++e) {
         const double angle = norma_encoding_error_rad((norma_encoding)e);
         assert_true(octahedron_is_within((norma_encoding)e, most[e], angle));
         assert_false(
@@ -142,7 +142,7 @@ typedef struct cell {
 
 static int candidate_is_within(const cell *c, const interval p[3], int which) {
     interval point[3], off[3], normal[3];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         point[i] = exactly(c->about[i][which >> i & 1]);
         off[i] = minus(p[i], point[i]);
     }
@@ -155,11 +155,11 @@ static int candidate_is_within(const cell *c, const interval p[3], int which) {
 static int nearest_candidate(const cell *c, const interval p[3]) {
     double least = INFINITY, middle[3];
     int nearest = 0;
-    for (int i = 0; i < 3; i++) middle[i] = (p[i].low + p[i].high) / 2;
-    for (int which = 0; which < 8; which++) {
+    for (int i = 0; i < 3; ++i) middle[i] = (p[i].low + p[i].high) / 2;
+    for (int which = 0; which < 8; ++which) {
         double point[3], square = 0, off = 0;
-        for (int i = 0; i < 3; i++) point[i] = c->about[i][which >> i & 1];
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) point[i] = c->about[i][which >> i & 1];
+        for (int i = 0; i < 3; ++i) {
             const int k = (i + 1) % 3;
             const double n = (middle[i] - point[i]) * point[k] - (middle[k] - point[k]) * point[i];
             square += point[i] * point[i];
@@ -178,7 +178,7 @@ static int part_is_within(cell *c, interval y, interval z, int depth) {
     if (p[0].low < c->about[0][0]) p[0].low = c->about[0][0];
     if (p[0].high > c->about[0][1]) p[0].high = c->about[0][1];
     if (p[0].low > p[0].high || p[0].high < y.low || y.high < z.low) return 1;
-    c->looked_at++;
+    ++c->looked_at;
     if (candidate_is_within(c, p, nearest_candidate(c, p))) return 1;
     if (depth == 0) return 0;
     if (y.high - y.low >= z.high - z.low) {
@@ -193,9 +193,9 @@ static int part_is_within(cell *c, interval y, interval z, int depth) {
 
 static int cell_is_within(int x, int y, int z, double square_sine, size_t *looked_at) {
     const int first[3] = {x, y, z};
-    for (int kind = 0; kind < 8; kind++) { /* the cell, its faces, edges and corner at (x, y, z) */
+    for (int kind = 0; kind < 8; ++kind) { /* the cell, its faces, edges and corner at (x, y, z) */
         cell c = {.square_sine = square_sine};
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             c.about[i][0] = first[i];
             c.about[i][1] = first[i] + !(kind >> i & 1);
         }
@@ -210,10 +210,10 @@ static int cell_is_within(int x, int y, int z, double square_sine, size_t *looke
 static int tens_are_within(double angle) {
     const double r = angle - FLOATS_TURN, sine = below(r - above(r * r * r / 6)); /* or more */
     size_t looked_at = 0;
-    for (int y = 0; y <= 361; y++) /* 511 / sqrt(2) */
-        for (int z = 0; z <= y; z++) {
+    for (int y = 0; y <= 361; ++y) /* 511 / sqrt(2) */
+        for (int z = 0; z <= y; ++z) {
             const double most = 511 * 511 - y * y - z * z, least = most - 2 * (y + z + 1);
-            for (int x = least > 0 ? (int)sqrt(least) - 1 : 0; x <= (int)sqrt(most); x++)
+            for (int x = least > 0 ? (int)sqrt(least) - 1 : 0; x <= (int)sqrt(most); ++x)
                 if (x >= y - 1 && !cell_is_within(x, y, z, below(sine * sine), &looked_at)) {
                     print_message("10_10_10_2: not within %.9g rad at %d %d %d\n", angle, x, y, z);
                     return 0;
@@ -235,7 +235,7 @@ static void tens_are_proven(void **state) {
 static double largest_angle(norma_encoding encoding, double x, double y, double z, double step) {
     uint64_t seed = 1;
     double largest = 0;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         const double n[3] = {x + step * shape_random_unit(&seed),
             y + step * shape_random_unit(&seed), z + step * shape_random_unit(&seed)};
         uint32_t code;
@@ -256,11 +256,11 @@ static double largest_angle(norma_encoding encoding, double x, double y, double 
 static void bounds_are_tight(void **state) {
     (void)state;
     static const int most[] = {127, 2047, 32767};
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < 4; ++e) {
         double largest = 0;
         if (e == NORMA_ENCODING_10_10_10_2)
             largest = largest_angle(NORMA_ENCODING_10_10_10_2, 510.999, 0.5, 0.5, 1e-3);
-        for (int i = 0; i < 40 && e < 3; i++) /* the middles of triangles about (1, 1, 1) */
+        for (int i = 0; i < 40 && e < 3; ++i) /* the middles of triangles about (1, 1, 1) */
             largest = fmax(largest, largest_angle((norma_encoding)e, most[e], most[e] + i % 7 - 3,
                                         most[e] + i / 7 - 3, 1e-2));
         const double bound = norma_encoding_error_rad((norma_encoding)e);

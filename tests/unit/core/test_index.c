@@ -18,11 +18,11 @@ static uint32_t random_below(uint64_t *seed, uint32_t count) {
 /* Few values, so that many corners agree; the bytes between values differ. */
 static made_streams *make_streams(uint64_t seed) {
     made_streams *m = calloc(1, sizeof *m);
-    for (size_t s = 0; s < STREAMS; s++) {
+    for (size_t s = 0; s < STREAMS; ++s) {
         const size_t size = 1 + random_below(&seed, 17), stride = size + random_below(&seed, 4);
-        for (size_t i = 0; i < sizeof m->bytes[s]; i++)
+        for (size_t i = 0; i < sizeof m->bytes[s]; ++i)
             m->bytes[s][i] = (uint8_t)random_below(&seed, 256);
-        for (size_t v = 0; v < CORNERS; v++) {
+        for (size_t v = 0; v < CORNERS; ++v) {
             memset(m->bytes[s] + v * stride, (int)s, size);
             m->bytes[s][v * stride + random_below(&seed, (uint32_t)size)] =
                 (uint8_t)random_below(&seed, 3);
@@ -30,7 +30,7 @@ static made_streams *make_streams(uint64_t seed) {
         m->streams[s] =
             (norma_stream){.data = m->bytes[s], .count = CORNERS, .size = size, .stride = stride};
     }
-    for (size_t c = 0; c < CORNERS; c++) m->numbers[c] = random_below(&seed, 20);
+    for (size_t c = 0; c < CORNERS; ++c) m->numbers[c] = random_below(&seed, 20);
     m->streams[1].corners = m->numbers;
     m->streams[1].count = 20;
     return m;
@@ -41,15 +41,15 @@ static const uint8_t *value(const norma_stream *s, size_t corner) {
 }
 
 static int agree(const norma_stream *streams, size_t count, size_t a, size_t b) {
-    for (size_t s = 0; s < count; s++)
-        for (size_t i = 0; i < streams[s].size; i++)
+    for (size_t s = 0; s < count; ++s)
+        for (size_t i = 0; i < streams[s].size; ++i)
             if (value(&streams[s], a)[i] != value(&streams[s], b)[i]) return 0;
     return 1;
 }
 
 static void corners_that_agree_are_one_vertex(void **state) {
     (void)state;
-    for (uint64_t seed = 0; seed < 40; seed++) {
+    for (uint64_t seed = 0; seed < 40; ++seed) {
         made_streams *m = make_streams(seed);
         uint32_t corners[CORNERS], sources[CORNERS], next = 0;
         uint16_t narrow[CORNERS];
@@ -59,9 +59,9 @@ static void corners_that_agree_are_one_vertex(void **state) {
         assert_ok(norma_index_corners(m->streams, STREAMS, CORNERS, NULL, &counted));
         assert_ok(norma_index_corners(m->streams, STREAMS, CORNERS, &threads, &to));
         assert_ok(norma_index_corners(m->streams, STREAMS, CORNERS, NULL, &small));
-        for (uint32_t c = 0; c < CORNERS; c++) {
+        for (uint32_t c = 0; c < CORNERS; ++c) {
             uint32_t first = 0;
-            while (!agree(m->streams, STREAMS, first, c)) first++;
+            while (!agree(m->streams, STREAMS, first, c)) ++first;
             if (first == c) assert_int_equal(sources[next++], c);
             assert_int_equal(corners[c], first == c ? next - 1 : corners[first]);
             assert_int_equal(narrow[c], corners[c]);
@@ -82,9 +82,9 @@ static void many_near_and_far(void **state) {
     (*named)[3] = malloc(VALUES * sizeof *named), (*normals)[3] = malloc(MANY * sizeof *normals);
     uint64_t seed = 7;
     assert_true(values && at && soup && named && normals);
-    for (uint32_t v = 0; v < VALUES; v++)
-        for (int k = 0; k < 3; k++) at[v][k] = (float)random_below(&seed, 1000);
-    for (uint32_t c = 0; c < MANY; c++) {
+    for (uint32_t v = 0; v < VALUES; ++v)
+        for (int k = 0; k < 3; ++k) at[v][k] = (float)random_below(&seed, 1000);
+    for (uint32_t c = 0; c < MANY; ++c) {
         values[c] = random_below(&seed, 3) ? (c / 5 + random_below(&seed, 400)) % VALUES
                                            : random_below(&seed, VALUES);
         memcpy(soup[c], at[values[c]], sizeof soup[c]);
@@ -97,7 +97,7 @@ static void many_near_and_far(void **state) {
     for (uint32_t threads = 1; threads < 6; threads += 2) {
         const norma_options options = {.threads = threads};
         assert_ok(norma_vertex_normals(&mesh, &options, normals[0], MANY, NULL));
-        for (uint32_t c = 0; c < MANY; c++)
+        for (uint32_t c = 0; c < MANY; ++c)
             assert_memory_equal(normals[c], named[values[c]], sizeof normals[c]);
     }
     free(values);
@@ -113,7 +113,7 @@ static void sixteen_bits(void **state) {
     (void)state;
     uint32_t *values = calloc(MOST, 4);
     uint16_t *narrow = calloc(MOST, 2);
-    for (uint32_t i = 0; i < MOST; i++) values[i] = i;
+    for (uint32_t i = 0; i < MOST; ++i) values[i] = i;
     const norma_stream stream = {.data = values, .count = MOST, .size = 4};
     norma_indexed to = {.corners = narrow, .corner_size = 2, .corner_capacity = MOST};
     assert_int_equal(norma_index_corners(&stream, 1, MOST, NULL, &to), NORMA_ERROR_OVERFLOW);
@@ -184,16 +184,16 @@ typedef struct sheet {
 
 /* Folded in texture space along its middle, so that vertices there have tangents of both signs. */
 static void make_sheet(sheet *s) {
-    for (int i = 0; i < GRID; i++) {
+    for (int i = 0; i < GRID; ++i) {
         const int x = i % (SIDE + 1), y = i / (SIDE + 1);
         memcpy(s->positions[i], (float[]){(float)x, (float)y, (float)(x * y) / 9}, 12);
         memcpy(s->normals[i], (float[]){0, 0, 1}, 12);
         memcpy(s->texcoords[i], (float[]){(float)abs(x - SIDE / 2), (float)y}, 8);
     }
-    for (int f = 0; f < FACES; f++) {
+    for (int f = 0; f < FACES; ++f) {
         const int a = f / 2 / SIDE * (SIDE + 1) + f / 2 % SIDE, odd = f % 2;
         const int three[] = {a, odd ? a + SIDE + 2 : a + 1, odd ? a + SIDE + 1 : a + SIDE + 2};
-        for (int k = 0; k < 3; k++) s->corners[3 * f + k] = (uint16_t)three[k];
+        for (int k = 0; k < 3; ++k) s->corners[3 * f + k] = (uint16_t)three[k];
     }
 }
 
@@ -223,7 +223,7 @@ static void split_by_tangents(void **state) {
     assert_int_equal(built.indexed.vertex_count, GRID + SIDE + 1);
     assert_ok(norma_split_tangents(
         &mesh, &normals, &texcoords, NORMA_TANGENTS_MIKK, &wide, split[0], &to, NULL));
-    for (size_t c = 0; c < COUNT; c++) {
+    for (size_t c = 0; c < COUNT; ++c) {
         assert_memory_equal(split[corners[c]], each[c], 16);
         assert_int_equal(s.corners[sources[corners[c]]], s.corners[c]);
         assert_true(split[corners[c]][4] == 0);
@@ -246,12 +246,12 @@ static void split_by_tangents(void **state) {
 enum { CUBE = 24 };
 
 static void make_cube(float positions[8][3], uint32_t corners[CUBE], uint32_t starts[7]) {
-    for (int i = 0; i < 8; i++)
-        for (int k = 0; k < 3; k++) positions[i][k] = (float)(i >> k & 1);
-    for (uint32_t f = 0; f < 6; f++) {
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 3; ++k) positions[i][k] = (float)(i >> k & 1);
+    for (uint32_t f = 0; f < 6; ++f) {
         const uint32_t side = f % 2, a = f / 2, u = (a + 1) % 3, v = (a + 2) % 3, base = side << a;
         const uint32_t square[] = {base, base | 1U << u, base | 1U << u | 1U << v, base | 1U << v};
-        for (uint32_t k = 0; k < 4; k++) corners[4 * f + k] = square[side ? k : 3 - k];
+        for (uint32_t k = 0; k < 4; ++k) corners[4 * f + k] = square[side ? k : 3 - k];
         starts[f] = 4 * f;
     }
     starts[6] = CUBE;
@@ -265,7 +265,7 @@ static void builds_a_cube(void **state) {
     uint16_t numbers[CUBE];
     (void)state;
     make_cube(positions, corners, starts);
-    for (int c = 0; c < CUBE; c++) {
+    for (int c = 0; c < CUBE; ++c) {
         texcoords[c][0] = positions[corners[c]][(c / 8 + 1) % 3];
         texcoords[c][1] = positions[corners[c]][(c / 8 + 2) % 3];
     }
@@ -287,11 +287,11 @@ static void builds_a_cube(void **state) {
     assert_int_equal(counted.indexed.vertex_count, CUBE);
     assert_ok(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL));
     assert_int_equal(built.indexed.vertex_count, CUBE);
-    for (int c = 0; c < CUBE; c++) {
+    for (int c = 0; c < CUBE; ++c) {
         const int axis = c / 8, side = c / 4 % 2 ? 1 : -1;
         assert_int_equal(numbers[c], c);
         assert_int_equal(vertices[c], corners[c]);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_true(normals[c][k] == (float)(k == axis ? side : 0));
             assert_true(tangents[c][k] == (float)(k == (axis + 1) % 3));
         }
@@ -327,7 +327,7 @@ static void builds_from_a_soup(void **state) {
     uint32_t corners[CUBE], starts[7], numbers[CUBE];
     (void)state;
     make_cube(positions, corners, starts);
-    for (int c = 0; c < CUBE; c++) memcpy(soup[c], positions[corners[c]], sizeof soup[c]);
+    for (int c = 0; c < CUBE; ++c) memcpy(soup[c], positions[corners[c]], sizeof soup[c]);
     const norma_mesh mesh = {.positions = {.data = soup, .count = CUBE},
         .corner_count = CUBE,
         .face_starts = starts,
@@ -337,8 +337,8 @@ static void builds_from_a_soup(void **state) {
         .normals = normals[0]};
     assert_ok(norma_build(&mesh, NULL, 3.1415927F, NORMA_TANGENTS_STEADY, NULL, &built, NULL));
     assert_int_equal(built.indexed.vertex_count, 8);
-    for (int c = 0; c < CUBE; c++)
-        for (int k = 0; k < 3; k++) {
+    for (int c = 0; c < CUBE; ++c)
+        for (int k = 0; k < 3; ++k) {
             const double diagonal = (soup[c][k] > 0 ? 1 : -1) / sqrt(3);
             assert_true(fabs((double)normals[numbers[c]][k] - diagonal) < 1e-7);
         }

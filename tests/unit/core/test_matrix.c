@@ -37,13 +37,13 @@ static double random_unit(uint64_t *state) { return (double)random_integer(state
 
 /* Columns of the upper 3x3; a translation and a last row that must not matter. */
 static void model_of(const double upper[9], float model[16]) {
-    for (int i = 0; i < 9; i++) model[i / 3 * 4 + i % 3] = (float)upper[i];
+    for (int i = 0; i < 9; ++i) model[i / 3 * 4 + i % 3] = (float)upper[i];
     model[3] = 3.0f, model[7] = -4.0f, model[11] = 5.0f;
     model[12] = 1e30f, model[13] = -7.0f, model[14] = 1e-30f, model[15] = 2.0f;
 }
 
 static void double_model_of(const double upper[9], double model[16]) {
-    for (int i = 0; i < 9; i++) model[i / 3 * 4 + i % 3] = upper[i];
+    for (int i = 0; i < 9; ++i) model[i / 3 * 4 + i % 3] = upper[i];
     model[3] = 3.0, model[7] = -4.0, model[11] = 5.0;
     model[12] = 1e300, model[13] = -7.0, model[14] = 1e-300, model[15] = 2.0;
 }
@@ -68,7 +68,7 @@ static double angle_between(const double a[3], const double b[3]) {
 }
 
 static void multiply(const double m[9], const double v[3], double out[3]) {
-    for (int r = 0; r < 3; r++) out[r] = m[r] * v[0] + m[3 + r] * v[1] + m[6 + r] * v[2];
+    for (int r = 0; r < 3; ++r) out[r] = m[r] * v[0] + m[3 + r] * v[1] + m[6 + r] * v[2];
 }
 
 static void rotation(double x, double y, double z, double angle, double out[9]) {
@@ -81,7 +81,7 @@ static void rotation(double x, double y, double z, double angle, double out[9]) 
 
 static void product(const double a[9], const double b[9], double out[9]) {
     double r[9];
-    for (int c = 0; c < 3; c++) multiply(a, b + 3 * c, r + 3 * c);
+    for (int c = 0; c < 3; ++c) multiply(a, b + 3 * c, r + 3 * c);
     memcpy(out, r, sizeof r);
 }
 
@@ -102,13 +102,13 @@ static norma_matrix_info info_of(const double upper[9]) {
 static void cofactors_equal_integers_at_any_scale(void **state) {
     (void)state;
     uint64_t seed = 1;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         int64_t m[9];
         double upper[9];
         int power[3];
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; ++c)
             power[c] = (int)(next_random(&seed) % 60) - 30 + (int[]){-115, 0, 73}[round % 3];
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             m[i] = random_integer(&seed, 24);
             upper[i] = ldexp((double)m[i], power[i / 3]);
         }
@@ -119,7 +119,7 @@ static void cofactors_equal_integers_at_any_scale(void **state) {
             norma_normal_matrix(model, NORMA_WINDING_REVERSED, reversed, NULL), NORMA_OK);
         const wide determinant = integer_determinant(m);
         int shift = INT32_MAX; /* the common power of two, from the first entry that tells */
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             const wide exact = integer_cofactor(m, i);
             const int column_power = power[(i / 3 + 1) % 3] + power[(i / 3 + 2) % 3];
             const long double value = ldexpl((long double)exact, column_power);
@@ -136,7 +136,7 @@ static void cofactors_equal_integers_at_any_scale(void **state) {
             assert_true(reversed[i] == (determinant < 0 ? -kept[i] : kept[i]));
         }
         assert_true(shift != INT32_MAX);
-        for (int c = 0; c < 3; c++) { /* no column is lost */
+        for (int c = 0; c < 3; ++c) { /* no column is lost */
             const float *k = kept + 3 * c;
             assert_true(isfinite(k[0]) && isfinite(k[1]) && isfinite(k[2]));
             assert_true(fabsf(k[0]) >= FLT_MIN || fabsf(k[1]) >= FLT_MIN || fabsf(k[2]) >= FLT_MIN);
@@ -182,38 +182,38 @@ static void the_power_of_two_leaves_room(void **state) {
 static void cross_products_go_through(void **state) {
     (void)state;
     uint64_t seed = 7;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         double upper[9];
         const double scale = pow(10.0, random_unit(&seed) * 37.9);
-        for (int i = 0; i < 9; i++) upper[i] = (double)(float)(random_unit(&seed) * scale);
+        for (int i = 0; i < 9; ++i) upper[i] = (double)(float)(random_unit(&seed) * scale);
         float model[16], matrix[9];
         model_of(upper, model);
         assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
         long double a[3], b[3], ma[3], mb[3], right[3], got[3], n[3];
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; ++i)
             a[i] = (long double)random_unit(&seed), b[i] = (long double)random_unit(&seed);
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; ++r) {
             ma[r] = mb[r] = 0;
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 ma[r] += (long double)upper[3 * k + r] * a[k];
                 mb[r] += (long double)upper[3 * k + r] * b[k];
             }
         }
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             right[i] = ma[j] * mb[k] - ma[k] * mb[j];
             n[i] = a[j] * b[k] - a[k] * b[j];
         }
         long double cross = 0, dot = 0, right_length = 0, got_length = 0, largest = 0;
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; ++r) {
             got[r] = (long double)matrix[r] * n[0] + (long double)matrix[3 + r] * n[1] +
                      (long double)matrix[6 + r] * n[2];
             right_length += right[r] * right[r];
             got_length += got[r] * got[r];
             dot += right[r] * got[r];
         }
-        for (int i = 0; i < 9; i++) largest = fmaxl(largest, fabsl((long double)matrix[i]));
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 9; ++i) largest = fmaxl(largest, fabsl((long double)matrix[i]));
+        for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             const long double x = right[j] / sqrtl(right_length) * (got[k] / sqrtl(got_length)) -
                                   right[k] / sqrtl(right_length) * (got[j] / sqrtl(got_length));
@@ -231,16 +231,16 @@ static void sign_is_that_of_the_exact_determinant(void **state) {
     (void)state;
     uint64_t seed = 3;
     int negative = 0, positive = 0, zero = 0;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         int64_t m[9];
-        for (int i = 0; i < 6; i++) m[i] = random_integer(&seed, 22);
+        for (int i = 0; i < 6; ++i) m[i] = random_integer(&seed, 22);
         const int64_t p = round % 4 ? 1 : -1; /* the third column depends on the others, all but a
                                                  last bit in half of the rounds */
-        for (int i = 0; i < 3; i++) m[6 + i] = m[i] + p * m[3 + i];
+        for (int i = 0; i < 3; ++i) m[6 + i] = m[i] + p * m[3 + i];
         if (round % 2) m[6 + round / 2 % 3] += round / 8 % 2 ? 1 : -1;
         double upper[9];
         const int power = (round % 5 - 2) * 48;
-        for (int i = 0; i < 9; i++) upper[i] = ldexp((double)m[i], power);
+        for (int i = 0; i < 9; ++i) upper[i] = ldexp((double)m[i], power);
         const wide determinant = integer_determinant(m);
         float model[16], kept[9], reversed[9];
         norma_matrix_info info;
@@ -248,7 +248,7 @@ static void sign_is_that_of_the_exact_determinant(void **state) {
         assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_KEPT, kept, NULL), NORMA_OK);
         assert_int_equal(
             norma_normal_matrix(model, NORMA_WINDING_REVERSED, reversed, &info), NORMA_OK);
-        for (int i = 0; i < 9; i++)
+        for (int i = 0; i < 9; ++i)
             assert_true(reversed[i] == (determinant < 0 ? -kept[i] : kept[i]));
         assert_int_equal(info.mirrored, determinant < 0);
         assert_true(info.determinant == ldexp((double)determinant, 3 * power));
@@ -260,16 +260,16 @@ static void sign_is_that_of_the_exact_determinant(void **state) {
 static void double_models_are_exact_too(void **state) {
     (void)state;
     uint64_t seed = 11;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         int64_t m[9];
-        for (int i = 0; i < 9; i++) m[i] = random_integer(&seed, 39);
+        for (int i = 0; i < 9; ++i) m[i] = random_integer(&seed, 39);
         if (round % 2) {
-            for (int i = 0; i < 3; i++) m[6 + i] = m[i] - m[3 + i];
+            for (int i = 0; i < 3; ++i) m[6 + i] = m[i] - m[3 + i];
             if (round % 4 == 1) m[6] += round % 8 == 1 ? 1 : -1;
         }
         double upper[9], model[16], kept[9], reversed[9], cofactor[9], inverse[9];
         const int power = (round % 5 - 2) * 480;
-        for (int i = 0; i < 9; i++) upper[i] = ldexp((double)m[i], power);
+        for (int i = 0; i < 9; ++i) upper[i] = ldexp((double)m[i], power);
         double_model_of(upper, model);
         const wide determinant = integer_determinant(m);
         norma_matrix_info info;
@@ -289,7 +289,7 @@ static void double_models_are_exact_too(void **state) {
             (void)ignored;
             shift -= exponent;
         }
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             if (unscaled != 0.0)
                 assert_true(ldexp(kept[i], -shift) ==
                             (double)integer_cofactor(m, i)); /* rounded once, like the conversion */
@@ -299,10 +299,10 @@ static void double_models_are_exact_too(void **state) {
         const double untouched = inverse[0];
         if (determinant == 0) {
             assert_int_equal(norma_inverse_transpose(model, inverse), NORMA_ERROR_ARGUMENT);
-            for (int i = 0; i < 9; i++) assert_true(inverse[i] == untouched);
+            for (int i = 0; i < 9; ++i) assert_true(inverse[i] == untouched);
         } else if (power == 0) {
             assert_int_equal(norma_inverse_transpose(model, inverse), NORMA_OK);
-            for (int i = 0; i < 9; i++) {
+            for (int i = 0; i < 9; ++i) {
                 const double right = (double)integer_cofactor(m, i) / (double)determinant;
                 assert_true(fabs(inverse[i] - right) <= 0x1p-51 * fabs(right));
             }
@@ -315,12 +315,12 @@ static void double_models_are_exact_too(void **state) {
 static void double_models_of_any_exponent(void **state) {
     (void)state;
     uint64_t seed = 17;
-    for (int round = 0; round < 5000; round++) {
+    for (int round = 0; round < 5000; ++round) {
         double upper[9] = {0}, model[16], reversed[9];
         int expected = 1;
         for (int i = 0; i < 3;
-             i++) { /* a diagonal and what is above it: the determinant is the diagonal's product */
-            for (int j = 0; j <= i; j++) {
+             ++i) { /* a diagonal and what is above it: the determinant is the diagonal's product */
+            for (int j = 0; j <= i; ++j) {
                 const int exponent = (int)(next_random(&seed) % 2040) - 1070;
                 double value =
                     ldexp(1.0 + fabs(random_unit(&seed)), exponent < 1023 ? exponent : 1022);
@@ -334,8 +334,8 @@ static void double_models_of_any_exponent(void **state) {
         assert_int_equal(
             norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, reversed, &info), NORMA_OK);
         assert_int_equal(info.mirrored, expected < 0);
-        for (int i = 0; i < 9; i++) assert_true(isfinite(reversed[i]));
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 9; ++i) assert_true(isfinite(reversed[i]));
+        for (int i = 0; i < 3; ++i)
             if (reversed[4 * i] != 0.0)
                 assert_int_equal(reversed[4 * i] < 0.0,
                     upper[4 * i] < 0.0); /* M^-T of a triangle: 1 / its diagonal */
@@ -349,10 +349,10 @@ static void all_zero_cofactors_give_zeros(void **state) {
     float model[16], matrix[9];
     norma_matrix_info info;
     model_of(rank_one, model);
-    for (int i = 0; i < 3; i++) model[4 + i] = 2.0f * model[i];
-    for (int w = 0; w < 2; w++) {
+    for (int i = 0; i < 3; ++i) model[4 + i] = 2.0f * model[i];
+    for (int w = 0; w < 2; ++w) {
         assert_int_equal(norma_normal_matrix(model, (norma_winding)w, matrix, &info), NORMA_OK);
-        for (int i = 0; i < 9; i++) assert_true(matrix[i] == 0.0f && !signbit(matrix[i]));
+        for (int i = 0; i < 9; ++i) assert_true(matrix[i] == 0.0f && !signbit(matrix[i]));
         assert_int_equal(info.rank, 1);
         assert_int_equal(info.kind, NORMA_KIND_SINGULAR);
         assert_int_equal(info.mirrored, 0);
@@ -361,7 +361,7 @@ static void all_zero_cofactors_give_zeros(void **state) {
     }
     memset(model, 0, sizeof model);
     assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_REVERSED, matrix, &info), NORMA_OK);
-    for (int i = 0; i < 9; i++) assert_true(matrix[i] == 0.0f);
+    for (int i = 0; i < 9; ++i) assert_true(matrix[i] == 0.0f);
     assert_int_equal(info.rank, 0);
     assert_int_equal(info.kind, NORMA_KIND_SINGULAR);
     const double length = sqrt((double)info.worst_normal[0] * (double)info.worst_normal[0] +
@@ -404,7 +404,7 @@ static void rank_two_carries_the_face_normal(void **state) {
     model_of(oblique, model);
     assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_REVERSED, matrix, NULL), NORMA_OK);
     const float oblique_expected[9] = {1, 2, -1, 1, 2, -1, -1, -2, 1};
-    for (int i = 0; i < 9; i++) assert_true(matrix[i] == oblique_expected[i]);
+    for (int i = 0; i < 9; ++i) assert_true(matrix[i] == oblique_expected[i]);
 }
 
 /* ---- kinds */
@@ -428,9 +428,9 @@ static void kinds(void **state) {
     const double shear[9] = {1, 0, 0, 1, 1, 0, 0, 0, 1};
     assert_int_equal(info_of(shear).kind, NORMA_KIND_SHEAR);
     for (int power = -120; power <= 120; power += 24) {
-        for (int i = 0; i < 9; i++) m[i] = ldexp(turn[i], power);
+        for (int i = 0; i < 9; ++i) m[i] = ldexp(turn[i], power);
         assert_int_equal(info_of(m).kind, power ? NORMA_KIND_UNIFORM_SCALE : NORMA_KIND_ROTATION);
-        for (int i = 0; i < 9; i++) m[i] = ldexp(shear[i], power);
+        for (int i = 0; i < 9; ++i) m[i] = ldexp(shear[i], power);
         assert_int_equal(info_of(m).kind, NORMA_KIND_SHEAR);
         assert_near(info_of(m).anisotropy, (3.0 + sqrt(5.0)) / 2.0, 1e-14);
     }
@@ -458,7 +458,7 @@ static void kinds_of_mirrors(void **state) {
         {{-2, 3, 4}, NORMA_KIND_NON_UNIFORM_SCALE, 1},
         {{-2, -3, 4}, NORMA_KIND_NON_UNIFORM_SCALE, 0},
     };
-    for (size_t t = 0; t < sizeof table / sizeof *table; t++) {
+    for (size_t t = 0; t < sizeof table / sizeof *table; ++t) {
         const double m[9] = {
             table[t].diagonal[0], 0, 0, 0, table[t].diagonal[1], 0, 0, 0, table[t].diagonal[2]};
         const norma_matrix_info info = info_of(m);
@@ -480,7 +480,7 @@ static void tolerances(void **state) {
     assert_int_equal(info_of(just_three).rank, 3);
     assert_int_equal(info_of(just_three).kind, NORMA_KIND_NON_UNIFORM_SCALE);
     assert_near(info_of(just_three).anisotropy * (double)1.01e-6f, 1.0, 1e-12);
-    for (int outside = 0; outside < 2; outside++) {
+    for (int outside = 0; outside < 2; ++outside) {
         const double t = outside ? 1.2e-5 : 0.8e-5;
         const double longer[9] = {1 + t, 0, 0, 0, 1, 0, 0, 0, 1},
                      even[9] = {1 + t, 0, 0, 0, 1 + t, 0, 0, 0, 1 + t},
@@ -527,12 +527,12 @@ static void shortcuts(void **state) {
     /* R diag(s) has the inverse transpose R diag(1/s). */
     double_model_of(m, model);
     assert_int_equal(norma_axis_scale_matrix(model, by_axes), NORMA_OK);
-    for (int i = 0; i < 9; i++) assert_near(by_axes[i], turn[i] / axes[i / 3 * 4], 1e-14);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 9; ++i) assert_near(by_axes[i], turn[i] / axes[i / 3 * 4], 1e-14);
+    for (int i = 0; i < 3; ++i)
         m[i] = ldexp(turn[i], 900), m[3 + i] = ldexp(turn[3 + i], -100), m[6 + i] = turn[6 + i];
     double_model_of(m, model);
     assert_int_equal(norma_axis_scale_matrix(model, by_axes), NORMA_OK);
-    for (int i = 0; i < 3; i++) assert_near(ldexp(by_axes[i], 900), turn[i], 1e-14);
+    for (int i = 0; i < 3; ++i) assert_near(ldexp(by_axes[i], 900), turn[i], 1e-14);
     double_model_of(flat, model);
     assert_int_equal(norma_axis_scale_matrix(model, by_axes), NORMA_ERROR_ARGUMENT);
 }
@@ -542,7 +542,7 @@ static void shortcuts(void **state) {
 static void worst_error_closed_forms(void **state) {
     (void)state;
     static const double table[][2] = {{1.5, 22.620}, {2, 36.870}, {4, 61.928}, {10, 78.579}};
-    for (int t = 0; t < 4; t++) {
+    for (int t = 0; t < 4; ++t) {
         const double m[9] = {table[t][0], 0, 0, 0, 1, 0, 0, 0, 1};
         const norma_matrix_info info = info_of(m);
         assert_near(info.worst_error_rad * DEGREES, table[t][1], 5e-4);
@@ -570,11 +570,11 @@ static double error_at(const double m[9], const double inverse_transpose[9], con
 static void worst_error_by_trying(void **state) {
     (void)state;
     uint64_t seed = 23;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 300; ++round) {
         double m[9], model[16], inverse[9];
-        for (int i = 0; i < 9; i++) m[i] = (double)(float)random_unit(&seed);
+        for (int i = 0; i < 9; ++i) m[i] = (double)(float)random_unit(&seed);
         if (round % 3 == 0)
-            for (int i = 0; i < 3; i++) m[3 + i] = (double)(float)(0.001 * m[3 + i]);
+            for (int i = 0; i < 3; ++i) m[3 + i] = (double)(float)(0.001 * m[3 + i]);
         const norma_matrix_info info = info_of(m);
         assert_int_equal(info.rank, 3);
         double_model_of(m, model);
@@ -584,13 +584,13 @@ static void worst_error_by_trying(void **state) {
         assert_near(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1.0, 1e-6);
         assert_near(error_at(m, inverse, n), info.worst_error_rad, 1e-4);
         double best = 0.0, at[3] = {0, 0, 1}, step = 1.0;
-        for (int try = 0; try < 3000; try++) {
+        for (int try = 0; try < 3000; ++try) {
             double candidate[3];
-            for (int i = 0; i < 3; i++)
+            for (int i = 0; i < 3; ++i)
                 candidate[i] = (try < 500 ? 0.0 : at[i]) + step * random_unit(&seed);
             const double length = sqrt(candidate[0] * candidate[0] + candidate[1] * candidate[1] +
                                        candidate[2] * candidate[2]);
-            for (int i = 0; i < 3; i++) candidate[i] /= length;
+            for (int i = 0; i < 3; ++i) candidate[i] /= length;
             const double error = error_at(m, inverse, candidate);
             if (error > best)
                 best = error, memcpy(at, candidate, sizeof at);
@@ -605,19 +605,19 @@ static void worst_error_by_trying(void **state) {
 static void rotation_gives_itself(void **state) {
     (void)state;
     uint64_t seed = 5;
-    for (int round = 0; round < 1000; round++) {
+    for (int round = 0; round < 1000; ++round) {
         double turn[9];
         rotation(random_unit(&seed), random_unit(&seed), random_unit(&seed),
             3.0 * random_unit(&seed), turn);
         const double mirror = round % 2 ? -1.0 : 1.0;
         double m[9];
-        for (int i = 0; i < 9; i++) m[i] = turn[i] * (i < 3 ? mirror : 1.0);
+        for (int i = 0; i < 9; ++i) m[i] = turn[i] * (i < 3 ? mirror : 1.0);
         float model[16], kept[9], reversed[9];
         model_of(m, model);
         assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_KEPT, kept, NULL), NORMA_OK);
         assert_int_equal(
             norma_normal_matrix(model, NORMA_WINDING_REVERSED, reversed, NULL), NORMA_OK);
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             assert_near((double)kept[i], mirror * m[i], 4e-7);
             assert_near((double)reversed[i], m[i], 4e-7);
         }
@@ -629,10 +629,10 @@ static void rotation_gives_itself(void **state) {
 static void model_view_is_the_matrix_of_the_product(void **state) {
     (void)state;
     uint64_t seed = 31;
-    for (int round = 0; round < 3000; round++) {
+    for (int round = 0; round < 3000; ++round) {
         int64_t m[9], v[9], p[9];
         double model_upper[9], view_upper[9];
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             m[i] = random_integer(&seed, 16), v[i] = random_integer(&seed, 16);
             if (round % 3 == 1 && i >= 6) m[i] = m[i - 6] + m[i - 3];
             if (round % 3 == 2 && i >= 6) m[i] = 2 * (m[i - 3] = 3 * m[i - 6]);
@@ -640,9 +640,9 @@ static void model_view_is_the_matrix_of_the_product(void **state) {
             view_upper[i] = (double)v[i];
         }
         if (round % 3 == 2)
-            for (int i = 0; i < 9; i++) model_upper[i] = ldexp((double)m[i], round % 2 ? -60 : 30);
-        for (int c = 0; c < 3; c++)
-            for (int r = 0; r < 3; r++)
+            for (int i = 0; i < 9; ++i) model_upper[i] = ldexp((double)m[i], round % 2 ? -60 : 30);
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
                 p[3 * c + r] = v[r] * m[3 * c] + v[3 + r] * m[3 * c + 1] + v[6 + r] * m[3 * c + 2];
         float model[16], view[16], matrix[9];
         norma_matrix_info info;
@@ -653,7 +653,7 @@ static void model_view_is_the_matrix_of_the_product(void **state) {
             NORMA_OK);
         const wide determinant = integer_determinant(p);
         assert_int_equal(info.mirrored, determinant < 0);
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             const double right = ldexp((double)integer_cofactor(p, i), round % 2 ? -120 : 60) *
                                  (determinant < 0 ? -1.0 : 1.0);
             assert_true(fabs((double)matrix[i] - right) <= 0x1.1p-24 * fabs(right));
@@ -667,26 +667,26 @@ static void model_view_is_the_matrix_of_the_product(void **state) {
 static void model_view_cancels_exactly(void **state) {
     (void)state;
     uint64_t seed = 37;
-    for (int round = 0; round < 3000; round++) {
+    for (int round = 0; round < 3000; ++round) {
         int64_t m[9], v[9], p[9];
-        for (int i = 0; i < 9; i++)
+        for (int i = 0; i < 9; ++i)
             m[i] = random_integer(&seed, 22), v[i] = random_integer(&seed, 22);
         const int64_t along = random_integer(&seed, 22);
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; ++i)
             v[6 + i] = v[i] + v[3 + i], m[3 + i] = m[i] + (i < 2 ? along : -along);
         m[3] += round % 2;
-        for (int c = 0; c < 3; c++)
-            for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
                 p[3 * c + r] = v[r] * m[3 * c] + v[3 + r] * m[3 * c + 1] + v[6 + r] * m[3 * c + 2];
         double model_upper[9], view_upper[9];
-        for (int i = 0; i < 9; i++) model_upper[i] = (double)m[i], view_upper[i] = (double)v[i];
+        for (int i = 0; i < 9; ++i) model_upper[i] = (double)m[i], view_upper[i] = (double)v[i];
         float model[16], view[16], matrix[9];
         model_of(model_upper, model);
         model_of(view_upper, view);
         assert_int_equal(
             norma_normal_matrix_model_view(model, view, NORMA_WINDING_KEPT, matrix, NULL),
             NORMA_OK);
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             const double right = (double)integer_cofactor(p, i);
             assert_true(fabs((double)matrix[i] - right) <= 0x1.1p-24 * fabs(right));
         }
@@ -703,17 +703,17 @@ static void model_view_zero_is_exact(void **state) {
     model_of(view_upper, view);
     assert_int_equal(
         norma_normal_matrix_model_view(model, view, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
-    for (int i = 0; i < 9; i++) assert_true(matrix[i] == 0.0f);
+    for (int i = 0; i < 9; ++i) assert_true(matrix[i] == 0.0f);
     /* Both of rank 2, their product of rank 1: view takes out the z axis, the model's plane holds
      * it. */
     const double upright[9] = {0.1, 0.3, 0.7, 0, 0, 0, 0.1, 0.3, 1.7},
                  flatten[9] = {1, 0, 0, 0, 1, 0, 0, 0, 0};
     model_of(upright, model);
     model_of(flatten, view);
-    for (int i = 0; i < 2; i++) model[8 + i] = model[i];
+    for (int i = 0; i < 2; ++i) model[8 + i] = model[i];
     assert_int_equal(
         norma_normal_matrix_model_view(model, view, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
-    for (int i = 0; i < 9; i++) assert_true(matrix[i] == 0.0f);
+    for (int i = 0; i < 9; ++i) assert_true(matrix[i] == 0.0f);
 }
 
 static void model_view_kinds(void **state) {
@@ -734,7 +734,7 @@ static void model_view_kinds(void **state) {
     assert_int_equal(
         norma_normal_matrix_model_view(model, view, NORMA_WINDING_REVERSED, matrix, &info),
         NORMA_ERROR_ARGUMENT);
-    for (int i = 0; i < 9; i++) assert_true(matrix[i] == 0.0f);
+    for (int i = 0; i < 9; ++i) assert_true(matrix[i] == 0.0f);
 }
 
 /* ---- batches */
@@ -743,16 +743,16 @@ enum { MANY = 1000 };
 
 static void fill_models(float models[MANY][16]) {
     uint64_t seed = 41;
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < MANY; ++i) {
         const double scale = i % 5 == 1 ? 1e30 : i % 5 == 2 ? 1e-30 : 1.0;
-        for (int k = 0; k < 16; k++) models[i][k] = (float)(scale * random_unit(&seed));
+        for (int k = 0; k < 16; ++k) models[i][k] = (float)(scale * random_unit(&seed));
         if (i % 7 == 3) models[i][8] = models[i][9] = models[i][10] = 0.0f;
         if (i % 11 == 4) models[i][i % 3 * 4 + i / 11 % 3] = i % 2 ? NAN : -INFINITY;
     }
 }
 
 static int is_finite_model(const float model[16]) {
-    for (int i = 0; i < 11; i++)
+    for (int i = 0; i < 11; ++i)
         if (i % 4 < 3 && !isfinite(model[i])) return 0;
     return 1;
 }
@@ -761,17 +761,17 @@ static void batches_equal_singles(void **state) {
     (void)state;
     static float models[MANY][16], tight[MANY][9];
     fill_models(models);
-    for (int w = 0; w < 2; w++) {
+    for (int w = 0; w < 2; ++w) {
         assert_int_equal(norma_normal_matrices(models[0], MANY, (norma_winding)w, tight[0], MANY),
             NORMA_ERROR_ARGUMENT);
-        for (int i = 0; i < MANY; i++) {
+        for (int i = 0; i < MANY; ++i) {
             float single[9];
             const norma_result result =
                 norma_normal_matrix(models[i], (norma_winding)w, single, NULL);
             assert_int_equal(result, is_finite_model(models[i]) ? NORMA_OK : NORMA_ERROR_ARGUMENT);
             assert_memory_equal(single, tight[i], sizeof single);
             if (result)
-                for (int k = 0; k < 9; k++) assert_true(single[k] == 0.0f);
+                for (int k = 0; k < 9; ++k) assert_true(single[k] == 0.0f);
         }
     }
 }
@@ -781,7 +781,7 @@ static void translation_and_last_row_never_leak(void **state) {
     static float models[MANY][16], a[MANY][9], b[MANY][9];
     fill_models(models);
     (void)norma_normal_matrices(models[0], MANY, NORMA_WINDING_REVERSED, a[0], MANY);
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < MANY; ++i) {
         models[i][3] = models[i][7] = models[i][11] = models[i][15] = NAN;
         models[i][12] = INFINITY, models[i][13] = -1e38f, models[i][14] = NAN;
     }
@@ -800,15 +800,15 @@ static void strided_batches(void **state) {
     assert_non_null(odd);
     assert_non_null(block);
     memset(block, 0xab, (size_t)MANY * BLOCK);
-    for (int i = 0; i < MANY; i++) memcpy(odd + 1 + i * FROM, models[i], sizeof models[i]);
+    for (int i = 0; i < MANY; ++i) memcpy(odd + 1 + i * FROM, models[i], sizeof models[i]);
     void *from = odd + 1;
     assert_int_equal(norma_normal_matrices_strided((const float *)from, FROM, MANY,
                          NORMA_WINDING_REVERSED, (float *)(void *)block, BLOCK, COLUMN, MANY),
         NORMA_ERROR_ARGUMENT);
-    for (int i = 0; i < MANY; i++)
-        for (int c = 0; c < 3; c++) {
+    for (int i = 0; i < MANY; ++i)
+        for (int c = 0; c < 3; ++c) {
             assert_memory_equal(block + i * BLOCK + c * COLUMN, tight[i] + 3 * c, 12);
-            for (int k = 12; k < COLUMN; k++)
+            for (int k = 12; k < COLUMN; ++k)
                 assert_int_equal(
                     block[i * BLOCK + c * COLUMN + k], 0xab); /* padding is the caller's */
         }
@@ -818,8 +818,8 @@ static void strided_batches(void **state) {
     static float columns[3][MANY][3]; /* all first columns, all second, all third */
     (void)norma_normal_matrices_strided(
         models[0], 0, MANY, NORMA_WINDING_REVERSED, columns[0][0], 12, sizeof columns[0], MANY);
-    for (int i = 0; i < MANY; i++)
-        for (int c = 0; c < 3; c++) assert_memory_equal(columns[c][i], tight[i] + 3 * c, 12);
+    for (int i = 0; i < MANY; ++i)
+        for (int c = 0; c < 3; ++c) assert_memory_equal(columns[c][i], tight[i] + 3 * c, 12);
 }
 
 static void batch_arguments(void **state) {
@@ -863,8 +863,8 @@ static void batch_arguments(void **state) {
 
 static void non_finite_singles(void **state) {
     (void)state;
-    for (int i = 0; i < 9; i++)
-        for (int bad = 0; bad < 3; bad++) {
+    for (int i = 0; i < 9; ++i)
+        for (int bad = 0; bad < 3; ++bad) {
             const double value = bad == 0   ? (double)NAN
                                  : bad == 1 ? (double)INFINITY
                                             : -(double)INFINITY;
@@ -872,7 +872,7 @@ static void non_finite_singles(void **state) {
             float narrow[16], narrow_matrix[9];
             norma_matrix_info info;
             model[i / 3 * 4 + i % 3] = value;
-            for (int k = 0; k < 16; k++) narrow[k] = (float)model[k];
+            for (int k = 0; k < 16; ++k) narrow[k] = (float)model[k];
             assert_int_equal(
                 norma_normal_matrix(narrow, NORMA_WINDING_REVERSED, narrow_matrix, &info),
                 NORMA_ERROR_ARGUMENT);
@@ -880,7 +880,7 @@ static void non_finite_singles(void **state) {
             assert_int_equal(
                 norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, matrix, &info),
                 NORMA_ERROR_ARGUMENT);
-            for (int k = 0; k < 9; k++) assert_true(matrix[k] == 0.0 && narrow_matrix[k] == 0.0f);
+            for (int k = 0; k < 9; ++k) assert_true(matrix[k] == 0.0 && narrow_matrix[k] == 0.0f);
             assert_int_equal(norma_cofactor_matrix(model, matrix), NORMA_ERROR_ARGUMENT);
             assert_int_equal(norma_inverse_transpose(model, matrix), NORMA_ERROR_ARGUMENT);
             assert_int_equal(norma_axis_scale_matrix(model, matrix), NORMA_ERROR_ARGUMENT);
@@ -890,11 +890,11 @@ static void non_finite_singles(void **state) {
 static void texts(void **state) {
     (void)state;
     static const int results[] = {0, 1, -1, -2, -3, -4, -5, -99};
-    for (size_t i = 0; i < sizeof results / sizeof *results; i++) {
+    for (size_t i = 0; i < sizeof results / sizeof *results; ++i) {
         const char *text = norma_result_text((norma_result)results[i]);
         assert_non_null(text);
         assert_true(strlen(text) > 4 && text[strlen(text) - 1] == '.');
-        for (size_t k = 0; k < i; k++)
+        for (size_t k = 0; k < i; ++k)
             assert_string_not_equal(text, norma_result_text((norma_result)results[k]));
     }
     assert_string_equal(norma_version(), "0.1.0");

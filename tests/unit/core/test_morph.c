@@ -128,7 +128,7 @@ static void wrong_arguments(void **state) {
     morphs m;
     open_morphs(&m);
     norma_vec3_view shorter = m.targets[0];
-    shorter.count--;
+    --shorter.count;
     m.deltas[0] = 5;
     assert_int_equal(
         norma_morph_normals(NULL, NULL, m.targets, 1, 0, NULL, m.starts, NULL, NULL, 0),
@@ -163,13 +163,13 @@ typedef struct counter {
 static void *take(void *user, size_t size, size_t alignment) {
     counter *c = user;
     if (++c->calls == c->fail_at) return NULL;
-    c->live++;
+    ++c->live;
     return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
 }
 
 static void give(void *user, void *block, size_t size) {
     (void)size;
-    ((counter *)user)->live--;
+    --((counter *)user)->live;
     free(block);
 }
 

@@ -263,10 +263,10 @@ static void each_face_of_a_mixed_mesh_has_its_own_normal(void **state) {
     uint32_t count = 0;
     size_t degenerate = 0;
     (void)state;
-    for (uint32_t f = 0; f < FACES; f++) {
+    for (uint32_t f = 0; f < FACES; ++f) {
         const uint32_t n = f % SIZES;
         degenerate += n < 3;
-        for (uint32_t k = 0; k < n; k++, count++) {
+        for (uint32_t k = 0; k < n; ++k, ++count) {
             const double turn = 6.283185307179586 * k / n * (f / SIZES % 2 ? -1 : 1);
             positions[count][0] = (float)(3 * f + cos(turn));
             positions[count][1] = (float)sin(turn);
@@ -283,10 +283,10 @@ static void each_face_of_a_mixed_mesh_has_its_own_normal(void **state) {
     assert_int_equal(f->report.degenerate_faces.count, degenerate);
     assert_int_equal(v->report.degenerate_faces.count, degenerate);
     assert_int_equal(v->report.degenerate_faces.first, 0);
-    for (uint32_t i = 0; i < FACES; i++) {
+    for (uint32_t i = 0; i < FACES; ++i) {
         const float up = i % SIZES < 3 ? 0 : i / SIZES % 2 ? -1 : 1;
         assert_true(f->normals[3 * i + 2] == up);
-        for (uint32_t c = starts[i]; c < starts[i + 1]; c++)
+        for (uint32_t c = starts[i]; c < starts[i + 1]; ++c)
             assert_true(v->normals[3 * c + 2] == up);
     }
     test_free(f);

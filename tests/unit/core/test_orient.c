@@ -10,12 +10,12 @@ static void add_box(mesh_file *mesh, double x, double y, double z, double half, 
     static const uint8_t quads[6][4] = {
         {0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     const uint32_t first = (uint32_t)mesh->position_count;
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; ++i)
         mesh_file_add_position(mesh, x + (i & 1 ? half : -half), y + (i & 2 ? half : -half),
             z + (i & 4 ? half : -half));
-    for (int q = 0; q < 6; q++) {
+    for (int q = 0; q < 6; ++q) {
         uint32_t quad[4];
-        for (uint32_t k = 0; k < 4; k++) quad[inward ? 3 - k : k] = first + quads[q][k];
+        for (uint32_t k = 0; k < 4; ++k) quad[inward ? 3 - k : k] = first + quads[q][k];
         mesh_file_add_face(mesh, quad, 4);
     }
 }
@@ -40,12 +40,12 @@ static uint32_t random_next(uint32_t *state) {
 static void faces_turned_at_random_are_found(void **state) {
     (void)state;
     uint32_t seed = 1;
-    for (int round = 0; round < 50; round++) {
+    for (int round = 0; round < 50; ++round) {
         mesh_file mesh = {0};
         uint8_t reverse[64], turned[64] = {0};
         add_box(&mesh, 0, 0, 0, 1, 0);
         add_box(&mesh, 5, 0, 0, 1, 0);
-        for (size_t f = 0; f < mesh.face_count; f++)
+        for (size_t f = 0; f < mesh.face_count; ++f)
             if (random_next(&seed) % 2) {
                 turned[f] = 1;
                 turn(&mesh, f);
@@ -69,7 +69,7 @@ static void a_cavity_stays_one_and_what_is_in_it_looks_outward(void **state) {
     add_box(&mesh, 20, 0, 0, 4, 0);      /* elsewhere, right */
     const norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
     static const uint8_t expected[5] = {1, 0, 1, 0, 0};
-    for (size_t f = 0; f < mesh.face_count; f++) assert_int_equal(reverse[f], expected[f / 6]);
+    for (size_t f = 0; f < mesh.face_count; ++f) assert_int_equal(reverse[f], expected[f / 6]);
     assert_int_equal(report.inward, 2);
     assert_int_equal(report.nested, 1);
     assert_int_equal(report.reversed_faces, 12);
@@ -88,7 +88,7 @@ static void parts_are_cut_at_edges_of_many_faces(void **state) {
     assert_int_equal(report.non_manifold_edges, 1);
     assert_int_equal(report.parts, 2);
     assert_int_equal(report.closed, 2);
-    for (size_t f = 0; f < 12; f++) assert_int_equal(reverse[f], f == 3 || f >= 6);
+    for (size_t f = 0; f < 12; ++f) assert_int_equal(reverse[f], f == 3 || f >= 6);
     mesh_file_free(&mesh);
 }
 
@@ -97,13 +97,13 @@ static void a_moebius_band_is_left(void **state) {
     mesh_file mesh = {0};
     uint8_t reverse[64];
     enum { STEPS = 24 };
-    for (int i = 0; i < STEPS; i++) {
+    for (int i = 0; i < STEPS; ++i) {
         const double turn_rad = i * 2 * 3.141592653589793 / STEPS;
         for (int side = -1; side <= 1; side += 2)
             mesh_file_add_position(&mesh, cos(turn_rad) * (3 + side * cos(turn_rad / 2)),
                 sin(turn_rad) * (3 + side * cos(turn_rad / 2)), side * sin(turn_rad / 2));
     }
-    for (uint32_t i = 0; i < STEPS; i++) {
+    for (uint32_t i = 0; i < STEPS; ++i) {
         const uint32_t next = (i + 1) % STEPS, cross = next == 0;
         mesh_file_add_face(
             &mesh, (uint32_t[]){2 * i, 2 * next + cross, 2 * next + 1 - cross, 2 * i + 1}, 4);
@@ -127,7 +127,7 @@ static void a_sheet_that_looks_at_a_box_is_turned(void **state) {
     mesh_file_add_position(&mesh, 0x1p-6, 0, 0);
     mesh_file_add_face(&mesh, (uint32_t[]){8, 9, 10}, 3);
     const norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
-    for (size_t f = 0; f < 7; f++) assert_int_equal(reverse[f], f == 6);
+    for (size_t f = 0; f < 7; ++f) assert_int_equal(reverse[f], f == 6);
     assert_int_equal(report.by_rays, 1);
     assert_true(report.least_confidence > .95);
     mesh_file_free(&mesh);
@@ -136,21 +136,21 @@ static void a_sheet_that_looks_at_a_box_is_turned(void **state) {
 /* A box without its lid, inward: its inside is nearer to itself than its outside. */
 static void rays_turn_what_is_open(void **state) {
     (void)state;
-    for (int inward = 0; inward < 2; inward++) {
+    for (int inward = 0; inward < 2; ++inward) {
         mesh_file mesh = {0};
         uint8_t reverse[64];
         add_box(&mesh, 0, 0, 0, 1, inward);
-        mesh.face_count--;
+        --mesh.face_count;
         mesh.corner_count -= 4;
         turn(&mesh, 2);
         norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
         assert_int_equal(report.open, 1);
         assert_int_equal(report.undecided, 1);
-        for (size_t f = 0; f < 5; f++) assert_int_equal(reverse[f], f == 2);
+        for (size_t f = 0; f < 5; ++f) assert_int_equal(reverse[f], f == 2);
         report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
         assert_int_equal(report.by_rays, 1);
         assert_true(report.least_confidence > .5 && report.least_confidence <= 1);
-        for (size_t f = 0; f < 5; f++) assert_int_equal(reverse[f], (f == 2) != inward);
+        for (size_t f = 0; f < 5; ++f) assert_int_equal(reverse[f], (f == 2) != inward);
         mesh_file_free(&mesh);
     }
 }
@@ -162,10 +162,10 @@ static double random_unit(uint32_t *state) { return random_next(state) / 1677721
  */
 static void add_random_triangles(mesh_file *mesh, size_t count, double size) {
     uint32_t state = 7;
-    for (uint32_t f = 0; f < count; f++) {
+    for (uint32_t f = 0; f < count; ++f) {
         double from[3];
-        for (int k = 0; k < 3; k++) from[k] = (1 - size) * random_unit(&state);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k) from[k] = (1 - size) * random_unit(&state);
+        for (int k = 0; k < 3; ++k)
             mesh_file_add_position(mesh, from[0] + size * random_unit(&state),
                 from[1] + size * random_unit(&state), from[2] + size * random_unit(&state));
         mesh_file_add_face(mesh, (uint32_t[]){3 * f, 3 * f + 1, 3 * f + 2}, 3);
@@ -198,7 +198,7 @@ static uint64_t count_ray_steps(const mesh_file *mesh) {
 static void rays_take_n_log_n_steps(void **state) {
     (void)state;
     static const double sizes[] = {1, .05, .01};
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         uint64_t before = 0;
         for (size_t count = 1000; count <= 16000 / SLOWER; count *= 4) {
             mesh_file mesh = {0};
@@ -219,8 +219,8 @@ static void coincident_triangles_take_few_steps(void **state) {
     (void)state;
     for (uint32_t count = 1000; count <= 16000; count *= 4) {
         mesh_file mesh = {0};
-        for (int k = 0; k < 3; k++) mesh_file_add_position(&mesh, k == 1, k == 2, 0);
-        for (uint32_t f = 0; f < count; f++)
+        for (int k = 0; k < 3; ++k) mesh_file_add_position(&mesh, k == 1, k == 2, 0);
+        for (uint32_t f = 0; f < count; ++f)
             mesh_file_add_face(&mesh, (uint32_t[]){0, 1 + f % 2, 2 - f % 2}, 3);
         assert_true((double)count_ray_steps(&mesh) < 64 * (double)count * log2((double)count));
         mesh_file_free(&mesh);
@@ -235,15 +235,15 @@ static void rays_turn_nothing_twice(void **state) {
     mesh_file mesh = {0};
     uint8_t reverse[COUNT];
     uint32_t seed = 7;
-    for (int i = 0; i < BOXES; i++) {
+    for (int i = 0; i < BOXES; ++i) {
         add_box(&mesh, 30 * random_unit(&seed), 30 * random_unit(&seed), 30 * random_unit(&seed),
             .1 + random_unit(&seed), i % 2);
-        mesh.face_count--;
+        --mesh.face_count;
         mesh.corner_count -= 4;
     }
     norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
     assert_true(report.by_rays > BOXES / 2 && report.least_confidence >= .25);
-    for (size_t f = 0; f < COUNT; f++) {
+    for (size_t f = 0; f < COUNT; ++f) {
         assert_true(!reverse[f] || f / 5 % 2);
         if (reverse[f]) turn(&mesh, f);
     }
@@ -257,12 +257,12 @@ static void rays_turn_nothing_twice(void **state) {
  * that decides nothing. Much nearer, each looks away from the other. */
 static void fewer_than_a_quarter_more_decide_nothing(void **state) {
     (void)state;
-    for (int near = 0; near < 2; near++) {
+    for (int near = 0; near < 2; ++near) {
         mesh_file mesh = {0};
         uint8_t reverse[2];
         const double apart = near ? .2 : 3;
-        for (uint32_t i = 0; i < 2; i++) {
-            for (int k = 0; k < 4; k++)
+        for (uint32_t i = 0; i < 2; ++i) {
+            for (int k = 0; k < 4; ++k)
                 mesh_file_add_position(&mesh, k == 1 || k == 2, k > 1, i * apart);
             mesh_file_add_face(
                 &mesh, (uint32_t[]){4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, 4); /* looks up */
@@ -288,7 +288,7 @@ static void once_is_enough(void *user, const char *path, const char *name) {
     }
     uint8_t *reverse = malloc(mesh.face_count);
     const norma_orient_report first = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
-    for (size_t f = 0; f < mesh.face_count; f++)
+    for (size_t f = 0; f < mesh.face_count; ++f)
         if (reverse[f]) turn(&mesh, f);
     const norma_orient_report second = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
     if (second.reversed_faces || (second.winding_conflicts && !first.one_sided))
@@ -324,9 +324,9 @@ static void no_size_changes_the_answer(void **state) {
     double *doubles = malloc(3 * mesh.position_count * sizeof *doubles);
     float *floats = malloc(3 * mesh.position_count * sizeof *floats);
     norma_mesh view = mesh_file_view_polygons(&mesh);
-    for (size_t i = 0; i < 2 * sizeof sizes / sizeof *sizes; i++) {
+    for (size_t i = 0; i < 2 * sizeof sizes / sizeof *sizes; ++i) {
         norma_orient_report report;
-        for (size_t k = 0; k < 3 * mesh.position_count; k++) {
+        for (size_t k = 0; k < 3 * mesh.position_count; ++k) {
             doubles[k] = sizes[i / 2] * ((double *)mesh.positions)[k];
             floats[k] = (float)doubles[k];
         }
@@ -346,7 +346,7 @@ static void threads_change_nothing(void **state) {
     (void)state;
     mesh_file mesh = {0};
     uint32_t seed = 7;
-    for (int i = 0; i < 400; i++)
+    for (int i = 0; i < 400; ++i)
         add_box(&mesh, random_next(&seed) % 20, random_next(&seed) % 20, random_next(&seed) % 20,
             0.1 + (random_next(&seed) % 1000) / 300.0, (int)(random_next(&seed) % 2));
     uint8_t *one = malloc(mesh.face_count), *many = malloc(mesh.face_count);

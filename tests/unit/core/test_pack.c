@@ -14,12 +14,12 @@ static void random_direction(uint64_t *state, double n[3]) {
     double square;
     do {
         square = 0.0;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             n[i] = (double)(int64_t)next_random(state) / 0x1p63;
             square += n[i] * n[i];
         }
     } while (square > 1.0 || square < 1e-6);
-    for (int i = 0; i < 3; i++) n[i] /= sqrt(square);
+    for (int i = 0; i < 3; ++i) n[i] /= sqrt(square);
 }
 
 /* What the Khronos validator asks of a stored normal. */
@@ -36,9 +36,9 @@ enum { CODE_LIMIT = 1 << 20 };
 
 static size_t all_passing_codes(signed char codes[CODE_LIMIT][3]) {
     size_t count = 0;
-    for (int x = -127; x <= 127; x++)
-        for (int y = -127; y <= 127; y++)
-            for (int z = -127; z <= 127; z++)
+    for (int x = -127; x <= 127; ++x)
+        for (int y = -127; y <= 127; ++y)
+            for (int z = -127; z <= 127; ++z)
                 if (validator_accepts(x, y, z, 127.0)) {
                     assert_true(count < CODE_LIMIT);
                     codes[count][0] = (signed char)x, codes[count][1] = (signed char)y,
@@ -53,8 +53,8 @@ static void check_nearest(const double n[3], signed char codes[CODE_LIMIT][3], s
     assert_ok(norma_encode_snorm8((norma_vec3_view){n, 1, 0, NORMA_FORMAT_DOUBLE}, out, 0, 1));
     assert_true(validator_accepts(out[0], out[1], out[2], 127.0));
     double mine = 0.0, best = 1e9;
-    for (int i = 0; i < 3; i++) mine += (out[i] - n[i]) * (out[i] - n[i]);
-    for (size_t k = 0; k < code_count; k++) {
+    for (int i = 0; i < 3; ++i) mine += (out[i] - n[i]) * (out[i] - n[i]);
+    for (size_t k = 0; k < code_count; ++k) {
         const double x = codes[k][0] - n[0], y = codes[k][1] - n[1], z = codes[k][2] - n[2],
                      d = x * x + y * y + z * z;
         if (d < best) best = d;
@@ -67,34 +67,34 @@ static void snorm8_is_the_nearest_that_passes(void **state) {
     static signed char codes[CODE_LIMIT][3];
     const size_t code_count = all_passing_codes(codes);
     uint64_t seed = 1;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 300; ++round) {
         double n[3];
         random_direction(&seed, n);
-        for (int i = 0; i < 3; i++) n[i] *= 127.0;
+        for (int i = 0; i < 3; ++i) n[i] *= 127.0;
         check_nearest(n, codes, code_count);
     }
     /* Every code that rounding can give and the validator refuses, from the unit vectors in its
      * cell's corner towards the sphere. */
     size_t refused = 0;
-    for (int x = -127; x <= 127; x++)
-        for (int y = -127; y <= 127; y++)
-            for (int z = -127; z <= 127; z++) {
+    for (int x = -127; x <= 127; ++x)
+        for (int y = -127; y <= 127; ++y)
+            for (int z = -127; z <= 127; ++z) {
                 if (validator_accepts(x, y, z, 127.0) ||
                     abs(x * x + y * y + z * z - 127 * 127) > 400)
                     continue;
                 const int c[3] = {x, y, z}, outside = x * x + y * y + z * z > 127 * 127;
                 double n[3], square = 0.0;
-                for (int i = 0; i < 3; i++) {
+                for (int i = 0; i < 3; ++i) {
                     n[i] = c[i] + (outside ? -0.4999999 : 0.4999999) * (c[i] < 0 ? -1 : 1);
                     square += n[i] * n[i];
                 }
                 int rounds_to_it = 1;
-                for (int i = 0; i < 3; i++) {
+                for (int i = 0; i < 3; ++i) {
                     n[i] *= 127.0 / sqrt(square);
                     rounds_to_it &= lround(n[i]) == c[i];
                 }
                 if (!rounds_to_it) continue;
-                refused++;
+                ++refused;
                 check_nearest(n, codes, code_count);
             }
     assert_true(refused >= 48); /* (67, 76, 78), its permutations and signs */
@@ -105,7 +105,7 @@ static void bounds(void **state) {
     enum { COUNT = 400000 };
     uint64_t seed = 3;
     double sum8 = 0.0, max8 = 0.0, sum16 = 0.0, max16 = 0.0;
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; ++i) {
         double n[3];
         int8_t small[3];
         int16_t wide[3];
@@ -131,15 +131,15 @@ static void bounds(void **state) {
 static void exact_codes_and_symmetry(void **state) {
     (void)state;
     uint64_t seed = 5;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         double n[3], minus[3];
         int8_t a[3], b[3];
         random_direction(&seed, n);
-        for (int i = 0; i < 3; i++) minus[i] = -n[i];
+        for (int i = 0; i < 3; ++i) minus[i] = -n[i];
         assert_ok(norma_encode_snorm8((norma_vec3_view){n, 1, 0, NORMA_FORMAT_DOUBLE}, a, 0, 1));
         assert_ok(
             norma_encode_snorm8((norma_vec3_view){minus, 1, 0, NORMA_FORMAT_DOUBLE}, b, 0, 1));
-        for (int i = 0; i < 3; i++) assert_int_equal(a[i], -b[i]);
+        for (int i = 0; i < 3; ++i) assert_int_equal(a[i], -b[i]);
     }
     const float axes[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     int8_t out[6][3];
@@ -147,8 +147,8 @@ static void exact_codes_and_symmetry(void **state) {
     assert_ok(norma_encode_snorm8((norma_vec3_view){axes, 6, 0, NORMA_FORMAT_FLOAT}, out[0], 0, 6));
     assert_ok(
         norma_encode_snorm16((norma_vec3_view){axes, 6, 0, NORMA_FORMAT_FLOAT}, wide[0], 0, 6));
-    for (int i = 0; i < 6; i++)
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 3; ++k) {
             assert_int_equal(out[i][k], (int)(127 * axes[i][k]));
             assert_int_equal(wide[i][k], (int)(32767 * axes[i][k]));
         }
@@ -160,13 +160,13 @@ static void any_length_and_none(void **state) {
         {1e-300, 0, 1e-300}, {1e300, 0, 1e300}, {0, 0, 0}, {NAN, 1, 0}, {0, INFINITY, 0}};
     int8_t out[5][3];
     assert_ok(norma_encode_snorm8((norma_vec3_view){in, 5, 0, NORMA_FORMAT_DOUBLE}, out[0], 0, 5));
-    for (int i = 0; i < 2; i++) assert_memory_equal(out[i], ((int8_t[]){90, 0, 90}), 3);
-    for (int i = 2; i < 5; i++) assert_memory_equal(out[i], ((int8_t[]){0, 0, 0}), 3);
+    for (int i = 0; i < 2; ++i) assert_memory_equal(out[i], ((int8_t[]){90, 0, 90}), 3);
+    for (int i = 2; i < 5; ++i) assert_memory_equal(out[i], ((int8_t[]){0, 0, 0}), 3);
 }
 
 static void decoding(void **state) {
     (void)state;
-    for (int code = -128; code <= 127; code++) {
+    for (int code = -128; code <= 127; ++code) {
         const int8_t c[3] = {(int8_t)code, 0, 127};
         float out[3];
         assert_ok(norma_decode_snorm8(c, 0, 1, out, 0, 1));

@@ -115,14 +115,14 @@ static void *take(void *user, size_t size, size_t alignment) {
     assert_int_equal(
         posix_memalign(&block, alignment < sizeof(void *) ? sizeof(void *) : alignment, size), 0);
     memset(block, 0xcd, size);
-    a->live++;
+    ++a->live;
     a->bytes += size;
     return block;
 }
 
 static void give(void *user, void *block, size_t size) {
     accountant *a = user;
-    a->live--;
+    --a->live;
     a->bytes -= size;
     free(block);
 }
@@ -367,9 +367,9 @@ static void far_vertices(void **state) {
     static const uint32_t faces[] = {0, 1, 2, 0, 2, 3}, moved[] = {4};
     static const double sizes[] = {0x1p984, 0x1p-984, 1}, fars[] = {0, 0x1p984, 0x1p-984, 0x1p300};
     float some[15], all[15];
-    for (int weight = NORMA_WEIGHT_ANGLE; norma_weight_name((norma_weight)weight); weight++)
-        for (size_t size = 0; size < 3; size++)
-            for (size_t far = 0; far < 4; far++) {
+    for (int weight = NORMA_WEIGHT_ANGLE; norma_weight_name((norma_weight)weight); ++weight)
+        for (size_t size = 0; size < 3; ++size)
+            for (size_t far = 0; far < 4; ++far) {
                 double p[5][3] = {{0, 0, 0}, {5, 0, 1}, {5, 5, 0}, {0, 5, 2}, {sizes[size], 1, 1}};
                 norma_mesh mesh = {.positions = {p, 5, 0, NORMA_FORMAT_DOUBLE},
                     .corners = faces,

@@ -194,10 +194,10 @@ static void wide_polygons(void **state) {
 static size_t written_by(const norma_plan *plan, const norma_vec3_view positions,
     const uint32_t moved[2], float *out, size_t count) {
     size_t written = 0;
-    for (size_t i = 0; i < 3 * count; i++) out[i] = 7;
+    for (size_t i = 0; i < 3 * count; ++i) out[i] = 7;
     assert_int_equal(
         norma_plan_update(plan, positions, moved, 2, NULL, out, count, NULL), NORMA_OK);
-    for (size_t v = 0; v < count; v++) written += out[3 * v] != 7;
+    for (size_t v = 0; v < count; ++v) written += out[3 * v] != 7;
     assert_true(out[3 * (size_t)moved[0]] != 7 && out[3 * (size_t)moved[1]] != 7);
     return written;
 }
@@ -209,7 +209,7 @@ static void marks(void **state) {
           *out = test_calloc(3 * (size_t)COUNT, sizeof(float));
     uint32_t *corners = test_calloc(CORNERS, sizeof *corners), *corner = corners;
     norma_plan *plan = NULL;
-    for (uint32_t v = 0; v < COUNT; v++) {
+    for (uint32_t v = 0; v < COUNT; ++v) {
         positions[3 * (size_t)v] = (float)(v % SIDE);
         positions[3 * (size_t)v + 1] = (float)(v / SIDE);
         if (v % SIDE == SIDE - 1 || v / SIDE == SIDE - 1) continue;

@@ -43,7 +43,7 @@ static size_t used_by(job *j) {
     assert_int_equal(pthread_create(&thread, &attributes, run_job, j), 0);
     assert_int_equal(pthread_join(thread, NULL), 0);
     pthread_attr_destroy(&attributes);
-    while (untouched < STACK && stack[untouched] == PAINT) untouched++;
+    while (untouched < STACK && stack[untouched] == PAINT) ++untouched;
     free(stack);
     return STACK - untouched;
 }

@@ -499,11 +499,11 @@ static void single_elements_of_every_format(void **state) {
         {NORMA_FORMAT_UINT8, 1, {0, 255, 128, 1, 2, 5}},
         {NORMA_FORMAT_INT16, 2, {-32768, 32767, 0, 256, -1, 5}},
         {NORMA_FORMAT_UINT16, 2, {0, 65535, 32768, 256, 1, 5}}};
-    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; ++f) {
         unsigned char bytes[1 + 2 * (3 * sizeof(double) + 5)];
         for (size_t gap = 0; gap < 6; gap += 5) {
             const size_t size = formats[f].size, stride = 3 * size + gap;
-            for (size_t i = 0; i < 6; i++) {
+            for (size_t i = 0; i < 6; ++i) {
                 const double d = formats[f].numbers[i];
                 const float as_float = (float)d;
                 const int32_t whole = fabs(d) < 1e5 ? (int32_t)d : 0; /* little end first */
@@ -513,10 +513,10 @@ static void single_elements_of_every_format(void **state) {
                 memcpy(bytes + 1 + i / 3 * stride + i % 3 * size, from, size);
             }
             const norma_vec3_view view = {bytes + 1, 2, gap ? stride : 0, formats[f].format};
-            for (size_t i = 0; i < 2; i++) {
+            for (size_t i = 0; i < 2; ++i) {
                 double out[3];
                 norma_view_vector(&view, i, out);
-                for (size_t k = 0; k < 3; k++) assert_true(out[k] == formats[f].numbers[3 * i + k]);
+                for (size_t k = 0; k < 3; ++k) assert_true(out[k] == formats[f].numbers[3 * i + k]);
             }
         }
     }
@@ -525,7 +525,7 @@ static void single_elements_of_every_format(void **state) {
         size_t size;
         uint32_t second;
     } sizes[] = {{0, 0x08070605}, {4, 0x08070605}, {2, 0x0403}, {1, 2}};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
         const norma_mesh mesh = {
             .corners = corners + 1, .corner_count = 2, .corner_size = sizes[i].size};
         assert_int_equal(norma_mesh_corner(&mesh, 1), sizes[i].second);

@@ -14,15 +14,15 @@ long __real_sysconf(int name);
 long __wrap_sysconf(int name);
 long __wrap_sysconf(int name) {
     if (name != _SC_NPROCESSORS_ONLN) return __real_sysconf(name);
-    files++;
+    ++files;
     return 4;
 }
 int __wrap_sched_getaffinity(pid_t process, size_t size, cpu_set_t *set);
 int __wrap_sched_getaffinity(pid_t process, size_t size, cpu_set_t *set) {
     (void)process;
     memset(set, 0, size);
-    for (size_t i = 0; i < 4; i++) CPU_SET(i, set);
-    asked++;
+    for (size_t i = 0; i < 4; ++i) CPU_SET(i, set);
+    ++asked;
     return 0;
 }
 

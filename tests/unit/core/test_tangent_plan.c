@@ -556,9 +556,9 @@ static void wrong_arguments(void **state) {
     const uint32_t beyond[] = {3, (uint32_t)m->vertices};
     const size_t corners = m->corner_count;
     norma_vec3_view fewer = mesh.positions;
-    fewer.count--;
+    --fewer.count;
     norma_attribute short_normals = normals, unknown = normals;
-    short_normals.count--;
+    --short_normals.count;
     unknown.format = (norma_format)9;
     const norma_options narrow = {.normal_stride = 12};
 #define UPDATE(plan, positions, normals, moved, options, tangents, capacity)                       \

@@ -158,7 +158,7 @@ static void steady_along_the_normal(void **state) {
     static const float origin[2] = {0, 0}, s_axis[2] = {1, 0}, t_axis[2] = {0, 1}, both[2] = {1, 1};
     const norma_options options = {.struct_size = sizeof options, .weight = NORMA_WEIGHT_MAX};
     (void)state;
-    for (int size = 0; size < 2; size++) {
+    for (int size = 0; size < 2; ++size) {
         const float large = size ? 1e15F : 1e4F;
         shape *s = calloc(1, sizeof *s);
         const uint32_t at = add_vertex(s, (const float[]){0, 0, 0}, normal, origin);
@@ -416,7 +416,7 @@ static uint32_t next_bits(FILE *file) {
 }
 
 static void next_floats(FILE *file, size_t count, float *floats) {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const uint32_t bits = next_bits(file);
         memcpy(&floats[i], &bits, sizeof bits);
     }
@@ -427,17 +427,17 @@ static shape *next_mesh(FILE *file, float (*tangents)[4]) {
     unsigned vertices, faces, count;
     if (fscanf(file, " mesh %u %u", &vertices, &faces) != 2) return NULL;
     shape *s = calloc(1, sizeof *s);
-    for (unsigned i = 0; i < vertices; i++) {
+    for (unsigned i = 0; i < vertices; ++i) {
         float v[8];
         next_floats(file, 8, v);
         add_vertex(s, v, v + 3, v + 6);
     }
-    for (unsigned f = 0; f < faces; f++) {
+    for (unsigned f = 0; f < faces; ++f) {
         uint32_t corners[4];
         assert_true(fscanf(file, "%u", &count) == 1 && count <= 4);
-        for (unsigned i = 0; i < count; i++)
+        for (unsigned i = 0; i < count; ++i)
             assert_int_equal(fscanf(file, "%" SCNu32, &corners[i]), 1);
-        for (unsigned i = 0; i < count; i++) next_floats(file, 4, tangents[s->corner_count + i]);
+        for (unsigned i = 0; i < count; ++i) next_floats(file, 4, tangents[s->corner_count + i]);
         add_face(s, count, corners);
     }
     return s;
@@ -459,10 +459,10 @@ static void the_bits_of_the_reference(void **state) {
     FILE *file = fopen("tests/tangent/reference.txt", "r");
     assert_non_null(file);
     for (int c, line = 0; line < 3 && (c = getc(file)) != EOF;) line += c == '\n';
-    for (shape *s; (s = next_mesh(file, expected)) != NULL; meshes++) {
+    for (shape *s; (s = next_mesh(file, expected)) != NULL; ++meshes) {
         answer *a = compute(s, NORMA_TANGENTS_MIKK, NO_OPTIONS);
         assert_ok(a->result);
-        for (size_t c = 0; c < s->corner_count; c++) {
+        for (size_t c = 0; c < s->corner_count; ++c) {
             if (a->reasons[c] == NORMA_REASON_NONE && ++compared)
                 assert_memory_equal(a->tangents[c], expected[c], sizeof expected[c]);
             else

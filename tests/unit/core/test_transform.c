@@ -22,12 +22,12 @@ static int is_zero(const float v[3]) { return v[0] == 0.0f && v[1] == 0.0f && v[
 /* What is right, with 64 bits and a range that no float product leaves. */
 static void right_normal(const float m[9], const long double n[3], double out[3]) {
     long double v[3], length = 0;
-    for (int r = 0; r < 3; r++) {
+    for (int r = 0; r < 3; ++r) {
         v[r] =
             (long double)m[r] * n[0] + (long double)m[3 + r] * n[1] + (long double)m[6 + r] * n[2];
         length += v[r] * v[r];
     }
-    for (int r = 0; r < 3; r++) out[r] = (double)(v[r] / sqrtl(length));
+    for (int r = 0; r < 3; ++r) out[r] = (double)(v[r] / sqrtl(length));
 }
 
 static const float axes_normal_matrix[9] = {0.5f, 0, 0, 0, 2, 0, 0, 0, 1}; /* of diag(2, 0.5, 1) */
@@ -51,12 +51,12 @@ static void worked_example(void **state) {
 static void unit_over_the_whole_range(void **state) {
     (void)state;
     uint64_t seed = 1;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 20000; ++round) {
         float m[9], n[3], out[3];
         const double matrix_scale = pow(10.0, 37.9 * random_unit(&seed)),
                      normal_scale = pow(10.0, 37.9 * random_unit(&seed));
-        for (int i = 0; i < 9; i++) m[i] = (float)(matrix_scale * random_unit(&seed));
-        for (int i = 0; i < 3; i++) n[i] = (float)(normal_scale * random_unit(&seed));
+        for (int i = 0; i < 9; ++i) m[i] = (float)(matrix_scale * random_unit(&seed));
+        for (int i = 0; i < 3; ++i) n[i] = (float)(normal_scale * random_unit(&seed));
         double right[3];
         right_normal(m,
             (const long double[]){(long double)n[0], (long double)n[1], (long double)n[2]}, right);
@@ -83,7 +83,7 @@ static void doubles_of_any_size(void **state) {
     uint64_t seed = 2;
     for (int exponent = -1074; exponent <= 1020; exponent += 3) {
         double n[3];
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; ++i)
             n[i] = ldexp(1.0 + (double)i, exponent < -1072 ? exponent : exponent - 2) *
                    (next_random(&seed) & 1 ? 1 : -1);
         float out[3];
@@ -99,10 +99,10 @@ static void doubles_of_any_size(void **state) {
 static void zero_stays_and_not_finite_becomes_zero(void **state) {
     (void)state;
     static const float bad[] = {NAN, INFINITY, -INFINITY};
-    for (int count = 1; count < 40; count++) /* whole blocks and what is left of one */
-        for (int at = 0; at < count; at++) {
+    for (int count = 1; count < 40; ++count) /* whole blocks and what is left of one */
+        for (int at = 0; at < count; ++at) {
             float n[40][3], out[40][3];
-            for (int i = 0; i < count; i++) n[i][0] = 1, n[i][1] = 2, n[i][2] = 3;
+            for (int i = 0; i < count; ++i) n[i][0] = 1, n[i][1] = 2, n[i][2] = 3;
             if (at % 4 == 3)
                 memset(n[at], 0, sizeof n[at]);
             else
@@ -110,7 +110,7 @@ static void zero_stays_and_not_finite_becomes_zero(void **state) {
             assert_ok(norma_transform_normals(axes_normal_matrix,
                 (norma_vec3_view){n, (size_t)count, 0, NORMA_FORMAT_FLOAT}, out[0], 0,
                 (size_t)count));
-            for (int i = 0; i < count; i++)
+            for (int i = 0; i < count; ++i)
                 if (i == at)
                     assert_true(is_zero(out[i]));
                 else
@@ -137,8 +137,8 @@ static void every_format_and_stride(void **state) {
         {NORMA_FORMAT_INT16, 2},
         {NORMA_FORMAT_UINT16, 2},
     };
-    for (size_t f = 0; f < COUNT_OF(formats); f++)
-        for (size_t extra = 0; extra < 6; extra++) {
+    for (size_t f = 0; f < COUNT_OF(formats); ++f)
+        for (size_t extra = 0; extra < 6; ++extra) {
             const size_t stride = 3 * formats[f].size + extra, out_stride = 12 + extra;
             unsigned char *in = malloc(COUNT * stride + 1), *out = malloc(COUNT * out_stride + 1);
             assert_non_null(in);
@@ -146,8 +146,8 @@ static void every_format_and_stride(void **state) {
             memset(out, 0xcd, COUNT * out_stride + 1);
             double plain[COUNT][3];
             uint64_t seed = 3;
-            for (size_t i = 0; i < COUNT; i++)
-                for (size_t k = 0; k < 3; k++) {
+            for (size_t i = 0; i < COUNT; ++i)
+                for (size_t k = 0; k < 3; ++k) {
                     const int value = (int)(next_random(&seed) % 100) + 1;
                     plain[i][k] = value;
                     unsigned char *to = in + 1 + i * stride + k * formats[f].size;
@@ -172,11 +172,11 @@ static void every_format_and_stride(void **state) {
             assert_ok(norma_transform_normals(axes_normal_matrix,
                 (norma_vec3_view){in + 1, COUNT, extra ? stride : 0, formats[f].format},
                 (float *)where, extra ? out_stride : 0, COUNT));
-            for (size_t i = 0; i < COUNT; i++) {
+            for (size_t i = 0; i < COUNT; ++i) {
                 float n[3];
                 memcpy(n, out + 1 + i * out_stride, sizeof n);
                 assert_direction(n, 0.5 * plain[i][0], 2 * plain[i][1], plain[i][2], 1e-5);
-                for (size_t k = 12; k < out_stride; k++)
+                for (size_t k = 12; k < out_stride; ++k)
                     assert_int_equal(out[1 + i * out_stride + k],
                         0xcd); /* between the normals nothing is written */
             }
@@ -206,20 +206,20 @@ static void same_bits_however_called(void **state) {
     static float in[COUNT][3], apart[COUNT][3], in_place[COUNT][3], interleaved[COUNT][8];
     uint64_t seed = 5;
     float m[9];
-    for (int i = 0; i < 9; i++) m[i] = (float)random_unit(&seed);
-    for (int i = 0; i < COUNT; i++)
-        for (int k = 0; k < 3; k++) in[i][k] = i / 2 == 75 ? 0.0f : (float)random_unit(&seed);
+    for (int i = 0; i < 9; ++i) m[i] = (float)random_unit(&seed);
+    for (int i = 0; i < COUNT; ++i)
+        for (int k = 0; k < 3; ++k) in[i][k] = i / 2 == 75 ? 0.0f : (float)random_unit(&seed);
     assert_ok(norma_transform_normals(
         m, (norma_vec3_view){in, COUNT, 0, NORMA_FORMAT_FLOAT}, apart[0], 0, COUNT));
     memcpy(in_place, in, sizeof in);
     assert_ok(norma_transform_normals(
         m, (norma_vec3_view){in_place, COUNT, 0, NORMA_FORMAT_FLOAT}, in_place[0], 0, COUNT));
     assert_memory_equal(apart, in_place, sizeof apart);
-    for (int i = 0; i < COUNT; i++) memcpy(interleaved[i] + 3, in[i], sizeof in[i]);
+    for (int i = 0; i < COUNT; ++i) memcpy(interleaved[i] + 3, in[i], sizeof in[i]);
     assert_ok(norma_transform_normals(m,
         (norma_vec3_view){interleaved[0] + 3, COUNT, 32, NORMA_FORMAT_FLOAT}, interleaved[0] + 3,
         32, COUNT));
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; ++i) {
         float single[3];
         assert_ok(norma_transform_normals(
             m, (norma_vec3_view){in[i], 1, 0, NORMA_FORMAT_FLOAT}, single, 0, 1));
@@ -275,13 +275,13 @@ static void positions(void **state) {
     float out[COUNT][3];
     double wide[COUNT][3];
     uint64_t seed = 7;
-    for (int i = 0; i < COUNT; i++)
-        for (int k = 0; k < 3; k++) in[i][k] = (int16_t)(next_random(&seed) % 2000);
+    for (int i = 0; i < COUNT; ++i)
+        for (int k = 0; k < 3; ++k) in[i][k] = (int16_t)(next_random(&seed) % 2000);
     const norma_vec3_view view = {in, COUNT, 0, NORMA_FORMAT_INT16};
     assert_ok(norma_transform_positions(model, view, out[0], 0, COUNT));
     assert_ok(norma_transform_positions_double(model, view, wide[0], 0, COUNT));
-    for (int i = 0; i < COUNT; i++)
-        for (int r = 0; r < 3; r++) {
+    for (int i = 0; i < COUNT; ++i)
+        for (int r = 0; r < 3; ++r) {
             const int twice = 2 * (in[i][0] * (r + 1) + in[i][1] * (r + 4) + in[i][2] * (r + 7)) +
                               (int[]){2000, -4000, 1}[r];
             assert_true(wide[i][r] == twice / 2.0);
@@ -300,14 +300,14 @@ static void positions(void **state) {
 static void tangents_stay_in_the_surface(void **state) {
     (void)state;
     uint64_t seed = 9;
-    for (int round = 0; round < 2000; round++) {
+    for (int round = 0; round < 2000; ++round) {
         float model[16], matrix[9], normal[3], tangent[4], out[4];
         double n[3], t[3];
-        for (int i = 0; i < 16; i++) model[i] = (float)random_unit(&seed);
-        for (int i = 0; i < 3; i++) n[i] = random_unit(&seed), t[i] = random_unit(&seed);
+        for (int i = 0; i < 16; ++i) model[i] = (float)random_unit(&seed);
+        for (int i = 0; i < 3; ++i) n[i] = random_unit(&seed), t[i] = random_unit(&seed);
         const double nn = n[0] * n[0] + n[1] * n[1] + n[2] * n[2],
                      nt = n[0] * t[0] + n[1] * t[1] + n[2] * t[2];
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; ++i)
             tangent[i] = (float)(t[i] -= n[i] * nt / nn), normal[i] = (float)n[i];
         tangent[3] = round % 2 ? 1.0f : -1.0f;
         norma_matrix_info info;
@@ -318,7 +318,7 @@ static void tangents_stay_in_the_surface(void **state) {
         assert_ok(norma_transform_tangents(
             model, tangent, 0, (norma_vec3_view){normal, 1, 0, NORMA_FORMAT_FLOAT}, 1, out, 0, 1));
         double moved[3];
-        for (int r = 0; r < 3; r++)
+        for (int r = 0; r < 3; ++r)
             moved[r] =
                 (double)model[r] * t[0] + (double)model[4 + r] * t[1] + (double)model[8 + r] * t[2];
         assert_direction(out, moved[0], moved[1], moved[2], 2e-3);
@@ -352,7 +352,7 @@ static void orthogonalised_tangents(void **state) {
     assert_direction(out[0], 1, 0, 0, 1e-9);
     assert_direction(out[4], 3, 4, 0, 1e-5); /* a normal that is zero asks for nothing */
     assert_direction(out[5], 1, 0, 0, 1e-9);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         assert_true(fabs(length_of(out[i]) - 1.0) < 1e-6);
         if (i != 4)
             assert_true(fabs((double)out[i][0] * normals[i][0] + (double)out[i][1] * normals[i][1] +
@@ -441,21 +441,21 @@ static void winding_arguments(void **state) {
 static void mirrors_agree_with_their_winding(void **state) {
     (void)state;
     uint64_t seed = 13;
-    for (int round = 0; round < 2000; round++) {
+    for (int round = 0; round < 2000; ++round) {
         float model[16], matrix[9];
         double a[3], b[3], n[3], p[3][3];
-        for (int i = 0; i < 16; i++) model[i] = (float)random_unit(&seed);
-        for (int i = 0; i < 3; i++) a[i] = random_unit(&seed), b[i] = random_unit(&seed);
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 16; ++i) model[i] = (float)random_unit(&seed);
+        for (int i = 0; i < 3; ++i) a[i] = random_unit(&seed), b[i] = random_unit(&seed);
+        for (int i = 0; i < 3; ++i)
             n[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; ++r) {
             p[0][r] = 0.0;
             p[1][r] =
                 (double)model[r] * a[0] + (double)model[4 + r] * a[1] + (double)model[8 + r] * a[2];
             p[2][r] =
                 (double)model[r] * b[0] + (double)model[4 + r] * b[1] + (double)model[8 + r] * b[2];
         }
-        for (int w = 0; w < 2; w++) {
+        for (int w = 0; w < 2; ++w) {
             uint32_t corners[3] = {0, 1, 2};
             norma_matrix_info info;
             assert_ok(norma_normal_matrix(model, (norma_winding)w, matrix, &info));

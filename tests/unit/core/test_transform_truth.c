@@ -46,8 +46,8 @@ static void read_truth(const char *path, truth_mesh *truth) {
             assert_int_equal(sscanf(word, "%zu/%*u/%zu", &face->position[face->count],
                                  &face->normal[face->count]),
                 2);
-            face->position[face->count]--;
-            face->normal[face->count++]--;
+            --face->position[face->count];
+            --face->normal[face->count++];
         }
     }
     fclose(file);
@@ -61,7 +61,7 @@ static double distance(const double a[3], const double b[3]) {
 /* The corner of the face at a position, or MOST_CORNERS. */
 static size_t corner_at(
     const truth_mesh *truth, const truth_face *face, const double position[3], double tolerance) {
-    for (size_t i = 0; i < face->count; i++)
+    for (size_t i = 0; i < face->count; ++i)
         if (distance(truth->v[face->position[i]], position) <= tolerance) return i;
     return MOST_CORNERS;
 }
@@ -72,7 +72,7 @@ static int lies_in(const truth_mesh *truth, const truth_face *face, const scene_
     double tolerance, double *worst_deg) {
     size_t at[3];
     *worst_deg = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         at[k] = corner_at(truth, face, triangle->position[k], tolerance);
         if (at[k] == MOST_CORNERS) return 0;
         *worst_deg =
@@ -84,10 +84,10 @@ static int lies_in(const truth_mesh *truth, const truth_face *face, const scene_
 static void compare(truth_mesh *truth, const drawn_scene *scene, const char *name) {
     const double tolerance = 4e-7 * scene_largest(scene);
     double worst_deg = 0;
-    for (size_t i = 0; i < scene->count; i++) {
+    for (size_t i = 0; i < scene->count; ++i) {
         truth_face *found = NULL;
         double best = 1e9, degrees;
-        for (size_t k = 0; k < truth->face_count; k++)
+        for (size_t k = 0; k < truth->face_count; ++k)
             if (lies_in(truth, &truth->faces[k], &scene->triangles[i], tolerance, &degrees) &&
                 degrees < best) {
                 best = degrees;
@@ -97,10 +97,10 @@ static void compare(truth_mesh *truth, const drawn_scene *scene, const char *nam
             fail_msg("%s: triangle %zu, at %g %g %g, is in no face of the truth", name, i,
                 scene->triangles[i].position[0][0], scene->triangles[i].position[0][1],
                 scene->triangles[i].position[0][2]);
-        found->triangles++;
+        ++found->triangles;
         worst_deg = fmax(worst_deg, best);
     }
-    for (size_t k = 0; k < truth->face_count; k++)
+    for (size_t k = 0; k < truth->face_count; ++k)
         assert_int_equal(truth->faces[k].triangles, truth->faces[k].count - 2);
     print_message("# %s: %zu triangles, normals off by at most %.5f degrees\n", name, scene->count,
         worst_deg);
@@ -109,10 +109,10 @@ static void compare(truth_mesh *truth, const drawn_scene *scene, const char *nam
 
 static void assert_identities(norma_document *document) {
     assert_true(norma_document_node_count(document) > 0);
-    for (size_t i = 0; i < norma_document_node_count(document); i++) {
+    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info info;
         assert_int_equal(norma_document_node_info(document, i, &info), NORMA_DOCUMENT_OK);
-        for (int k = 0; k < 16; k++)
+        for (int k = 0; k < 16; ++k)
             if (fabs(info.world[k] - (k % 5 == 0)) >
                 (k < 15 ? 1e-12 : 2e-7)) /* one of the files has 1.0000001 there */
                 fail_msg("node %zu draws at a world matrix whose element %d is %.17g", info.node, k,
@@ -176,7 +176,7 @@ static const char *const pairs[] = {"max-geometry-transform", "max-geometry-tran
 /* The nodes' matrices as read, before any transform: what the rest is built on. */
 static void test_world_matrices(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) check_pair(pairs[i], 0);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) check_pair(pairs[i], 0);
 }
 
 static void test_baked(void **state) { check_pair(*state, 1); }

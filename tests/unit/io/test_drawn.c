@@ -172,7 +172,7 @@ static void test_unusable_joints(void **state) {
     (void)state;
     norma_drawn_mesh drawn;
     norma_document_error error;
-    for (int broken = 0; broken < 2; broken++) {
+    for (int broken = 0; broken < 2; ++broken) {
         const double joints[3][4] = {{7, 1, 0, 9}, {0, 1, 8, 0}, {0, 200, 0, 0}};
         gltf_asset a = {0};
         add_triangle(&a);
@@ -300,7 +300,7 @@ static void test_texture_place(void **state) {
     assert_true(placed[2] == 7 && placed[3] == 7 && placed[6] == 7 && placed[7] == 7);
     info.rotation = 1.57079633F;
     norma_texture_place(&info, &coordinates[0][0], 2, 2, placed);
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < 4; ++i)
         assert_true(fabsf(placed[i] - quarter_turn[i / 2][i % 2]) < 1e-5F);
 }
 

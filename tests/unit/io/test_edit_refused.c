@@ -320,7 +320,7 @@ static void test_ply_rows_without_a_list(void **state) {
     const norma_mesh_edit edits[] = {
         {.drop_faces = ALL}, {.reverse_faces = ALL}, {.cut_faces = ALL, .cut_corners = triangles}};
     (void)state;
-    for (size_t i = 0; i < COUNT_OF(edits); i++) expect_edit(text, "a.ply", &edits[i], text);
+    for (size_t i = 0; i < COUNT_OF(edits); ++i) expect_edit(text, "a.ply", &edits[i], text);
 }
 
 int main(void) {

@@ -17,10 +17,10 @@ static double random_number(uint64_t *state) {
 
 static void random_matrix(uint64_t *state, int rank, double m[16]) {
     const double scale = pow(10, 12 * random_number(state));
-    for (int i = 0; i < 16; i++) m[i] = i % 4 == 3 ? i == 15 : scale * random_number(state);
-    for (int i = 0; i < 3 && rank < 3; i++)
+    for (int i = 0; i < 16; ++i) m[i] = i % 4 == 3 ? i == 15 : scale * random_number(state);
+    for (int i = 0; i < 3 && rank < 3; ++i)
         m[8 + i] = rank == 0 ? 0 : m[i] - (rank == 2 ? 2 * m[4 + i] : 0);
-    for (int i = 0; i < 3 && rank < 2; i++) {
+    for (int i = 0; i < 3 && rank < 2; ++i) {
         m[4 + i] = rank == 0 ? 0 : -3 * m[i];
         m[i] = rank == 0 ? 0 : m[i];
     }
@@ -28,20 +28,20 @@ static void random_matrix(uint64_t *state, int rank, double m[16]) {
 
 static double largest(const double m[16]) {
     double most = 0;
-    for (int i = 0; i < 12; i++) most = fmax(most, fabs(m[i]));
+    for (int i = 0; i < 12; ++i) most = fmax(most, fabs(m[i]));
     return most;
 }
 
 static void assert_near(const double a[16], const double b[16], double tolerance) {
-    for (int i = 0; i < 16; i++)
+    for (int i = 0; i < 16; ++i)
         if (!(fabs(a[i] - b[i]) <= tolerance * (i < 12 ? largest(a) : fmax(1, fabs(a[i])))))
             fail_msg("element %d: %.17g and %.17g", i, a[i], b[i]);
 }
 
 static void multiply(const double a[16], const double b[16], double out[16]) {
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < 16; ++i) {
         out[i] = 0;
-        for (int k = 0; k < 4; k++) out[i] += a[i % 4 + 4 * k] * b[i / 4 * 4 + k];
+        for (int k = 0; k < 4; ++k) out[i] += a[i % 4 + 4 * k] * b[i / 4 * 4 + k];
     }
 }
 
@@ -52,7 +52,7 @@ static double norm4(const double q[4]) {
 static void test_split_is_exact(void **state) {
     (void)state;
     uint64_t seed = 1;
-    for (int i = 0; i < 4000; i++) {
+    for (int i = 0; i < 4000; ++i) {
         double m[16], a[16], b[16], product[16];
         random_matrix(&seed, i % 4, m);
         gltf_trs outer, inner;
@@ -69,12 +69,12 @@ static void test_split_is_exact(void **state) {
 static void test_decompose(void **state) {
     (void)state;
     uint64_t seed = 2;
-    for (int i = 0; i < 4000; i++) {
+    for (int i = 0; i < 4000; ++i) {
         gltf_trs trs, again;
-        for (int k = 0; k < 4; k++) trs.rotation[k] = random_number(&seed);
+        for (int k = 0; k < 4; ++k) trs.rotation[k] = random_number(&seed);
         const double norm = norm4(trs.rotation);
-        for (int k = 0; k < 4; k++) trs.rotation[k] /= norm;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 4; ++k) trs.rotation[k] /= norm;
+        for (int k = 0; k < 3; ++k) {
             trs.translation[k] = random_number(&seed);
             trs.scale[k] = i % 5 == k ? 0 : i % 7 == k ? -1 : pow(10, 3 * random_number(&seed));
         }
@@ -92,7 +92,7 @@ static void test_decompose(void **state) {
 static void test_invert(void **state) {
     (void)state;
     uint64_t seed = 3;
-    for (int i = 0; i < 1000; i++) {
+    for (int i = 0; i < 1000; ++i) {
         double m[16], inverse[16], product[16], one[16];
         random_matrix(&seed, 3, m);
         norma_gltf_matrix_identity(one);
@@ -100,7 +100,7 @@ static void test_invert(void **state) {
         const double size = largest(m);
         multiply(m, inverse, product);
         norma_gltf_matrix_multiply(m, inverse, inverse);
-        for (int k = 12; k < 15; k++) {
+        for (int k = 12; k < 15; ++k) {
             product[k] /= size;
             inverse[k] /= size;
         }

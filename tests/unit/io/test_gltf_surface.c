@@ -268,15 +268,15 @@ static norma_document_result computed_flat(int attributes, norma_document_error 
     float positions[GRID * GRID][3];
     uint16_t corners[6 * (GRID - 1) * (GRID - 1)];
     size_t count = 0;
-    for (int i = 0; i < GRID * GRID; i++) {
+    for (int i = 0; i < GRID * GRID; ++i) {
         const float x = (float)(i % GRID), y = (float)(i / GRID);
         memcpy(positions[i],
             (const float[]){x, y, x * x * 0.01f + x * y * 0.02f + y * y * y * 0.001f},
             sizeof positions[i]);
     }
-    for (int y = 0; y < GRID - 1; y++)
-        for (int x = 0; x < GRID - 1; x++)
-            for (int k = 0; k < 6; k++)
+    for (int y = 0; y < GRID - 1; ++y)
+        for (int x = 0; x < GRID - 1; ++x)
+            for (int k = 0; k < 6; ++k)
                 corners[count++] =
                     (uint16_t)(GRID * y + x + (const int[]){0, 1, GRID, 1, GRID + 1, GRID}[k]);
     gltf_asset a = {0};
@@ -287,7 +287,7 @@ static norma_document_result computed_flat(int attributes, norma_document_error 
     at +=
         sprintf(at, "\"meshes\":[{\"primitives\":[{\"indices\":%d,\"attributes\":{\"POSITION\":%d",
             numbers[1], numbers[0]);
-    for (int i = 0; i < attributes; i++) at += sprintf(at, ",\"_%d\":%d", i, numbers[0]);
+    for (int i = 0; i < attributes; ++i) at += sprintf(at, ",\"_%d\":%d", i, numbers[0]);
     strcpy(at, "}}]}]");
     norma_document *document = asset_open(&a, rest, 0);
     const norma_compute_options flat = {.struct_size = sizeof flat, .shading = NORMA_SHADING_FLAT};

@@ -44,7 +44,7 @@ static void make_asset(asset *a, const char *rest) {
     } data;
     memset(&data, 0, sizeof data);
     memcpy(data.position, sheet, sizeof sheet);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const double angle = 0.25 * i - 0.5; /* the third normal is +Z */
         data.normal[i][0] = (float)(sin(angle) * 0.6);
         data.normal[i][1] = (float)(sin(angle) * 0.8);
@@ -66,14 +66,14 @@ static void make_asset(asset *a, const char *rest) {
     assert_int_equal(sizeof data, 396);
     add_base64(text, (const unsigned char *)&data, sizeof data);
     strcat(text, "\"}],\n\"bufferViews\":[");
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         sprintf(text + strlen(text),
             "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":%d}", i ? "," : "",
             offset, parts[i], i < 5 ? 34962 : 34963);
         offset += parts[i];
     }
     strcat(text, "],\n\"accessors\":[");
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; ++i)
         sprintf(text + strlen(text),
             "%s{\"bufferView\":%d,\"componentType\":%d,\"count\":6,\"type\":\"%s\"%s}",
             i ? "," : "", i, i < 5 ? 5126 : 5123, types[i],
@@ -103,7 +103,7 @@ typedef struct result {
 } result;
 
 static void rows_to_columns(const double *rows, double matrix[16]) {
-    for (int i = 0; rows && i < 16; i++) matrix[i] = rows[i % 4 * 4 + i / 4];
+    for (int i = 0; rows && i < 16; ++i) matrix[i] = rows[i % 4 * 4 + i / 4];
 }
 
 static void run_on(norma_document *document, norma_document *before, const double *rows, int bake,
@@ -143,7 +143,7 @@ static void assert_done(const result *r) {
 /* ---- what is drawn */
 
 static void apply(const double *rows, const double p[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         out[k] = rows ? rows[4 * k] * p[0] + rows[4 * k + 1] * p[1] + rows[4 * k + 2] * p[2] +
                             rows[4 * k + 3]
                       : p[k];
@@ -165,29 +165,29 @@ static scene_triangle expected_triangle(const scene_triangle *in, const double *
     scene_triangle out = *in;
     if (!rows) return out;
     double cofactor[3][3]; /* rows of cof(M): cross products of M's rows */
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; ++k)
         cross(rows + 4 * ((k + 1) % 3), rows + 4 * ((k + 2) % 3), cofactor[k]);
     const double determinant = dot(rows, cofactor[0]);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const int from = determinant < 0 && i ? 3 - i : i;
         apply(rows, in->position[from], out.position[i]);
         double length = 0;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             out.normal[i][k] = dot(cofactor[k], in->normal[from]) * (determinant < 0 ? -1 : 1);
             length += out.normal[i][k] * out.normal[i][k];
         }
-        for (int k = 0; k < 3 && length > 0; k++) out.normal[i][k] /= sqrt(length);
+        for (int k = 0; k < 3 && length > 0; ++k) out.normal[i][k] /= sqrt(length);
     }
     return out;
 }
 
 static int same_triangle(
     const scene_triangle *a, const scene_triangle *b, double tolerance, double degrees) {
-    for (int turn = 0; turn < 3; turn++) {
+    for (int turn = 0; turn < 3; ++turn) {
         int same = 1;
-        for (int i = 0; i < 3 && same; i++) {
+        for (int i = 0; i < 3 && same; ++i) {
             const int k = (i + turn) % 3;
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; ++c)
                 same &= fabs(a->position[i][c] - b->position[k][c]) <= tolerance;
             same = same && scene_angle_deg(a->normal[i], b->normal[k]) <= degrees;
         }
@@ -204,13 +204,13 @@ static void assert_same_scene(const result *r, const double *rows, double degree
     const double tolerance = 1e-6 * scene_largest(&after);
     assert_true(before.count > 0);
     assert_int_equal(before.count, after.count);
-    for (size_t i = 0; i < before.count; i++) {
+    for (size_t i = 0; i < before.count; ++i) {
         const scene_triangle expected = expected_triangle(&before.triangles[i], rows);
         size_t found = i;
         if (!same_triangle(&expected, &after.triangles[i], tolerance, degrees))
             for (found = 0; found < after.count &&
                             !same_triangle(&expected, &after.triangles[found], tolerance, degrees);)
-                found++;
+                ++found;
         if (found == after.count)
             fail_msg("triangle %zu of node %zu, now at %g %g %g, is not in the output", i,
                 expected.node, expected.position[0][0], expected.position[0][1],
@@ -221,10 +221,10 @@ static void assert_same_scene(const result *r, const double *rows, double degree
 }
 
 static void assert_identities(norma_document *document) {
-    for (size_t i = 0; i < norma_document_node_count(document); i++) {
+    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info info;
         assert_int_equal(norma_document_node_info(document, i, &info), NORMA_DOCUMENT_OK);
-        for (int k = 0; k < 16; k++)
+        for (int k = 0; k < 16; ++k)
             if (fabs(info.world[k] - (k % 5 == 0)) > 1e-9)
                 fail_msg("node %zu draws, and element %d of its world matrix is %g", info.node, k,
                     info.world[k]);
@@ -232,7 +232,7 @@ static void assert_identities(norma_document *document) {
 }
 
 static const char *note_of(const norma_document *document, const char *part) {
-    for (size_t i = 0; i < norma_document_note_count(document); i++)
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
         if (strstr(norma_document_note(document, i), part)) return norma_document_note(document, i);
     return NULL;
 }
@@ -246,7 +246,7 @@ static uint32_t node_token(const result *r, uint32_t number) {
 static void node_numbers(
     const result *r, uint32_t number, const char *key, double *out, uint32_t count) {
     const uint32_t list = norma_json_member(&r->json, node_token(r, number), key);
-    for (uint32_t i = 0; list != JSON_NONE && i < count; i++)
+    for (uint32_t i = 0; list != JSON_NONE && i < count; ++i)
         assert_true(norma_json_number(&r->json, norma_json_element(&r->json, list, i), &out[i]));
 }
 
@@ -266,7 +266,7 @@ static void node_local(const result *r, uint32_t number, double m[16]) {
 
 static uint32_t node_parent(const result *r, uint32_t number) {
     const uint32_t nodes = norma_json_member(&r->json, 0, "nodes");
-    for (uint32_t i = 0; i < norma_json_size(&r->json, nodes); i++) {
+    for (uint32_t i = 0; i < norma_json_size(&r->json, nodes); ++i) {
         const uint32_t children = norma_json_member(&r->json, node_token(r, i), "children");
         for (uint32_t child = JSON_NONE; norma_json_each(&r->json, children, &child);) {
             uint64_t is;
@@ -282,8 +282,8 @@ static void node_world(const result *r, uint32_t number, double world[16]) {
          above = node_parent(r, above)) {
         double local[16], product[16] = {0};
         node_local(r, above, local);
-        for (int i = 0; i < 16; i++)
-            for (int k = 0; k < 4; k++) product[i] += local[i % 4 + 4 * k] * world[i / 4 * 4 + k];
+        for (int i = 0; i < 16; ++i)
+            for (int k = 0; k < 4; ++k) product[i] += local[i % 4 + 4 * k] * world[i / 4 * 4 + k];
         memcpy(world, product, sizeof product);
     }
 }
@@ -292,7 +292,7 @@ static void node_world(const result *r, uint32_t number, double world[16]) {
 static void assert_world(const result *r, uint32_t number, const double rows[12]) {
     double world[16];
     node_world(r, number, world);
-    for (int i = 0; i < 12; i++)
+    for (int i = 0; i < 12; ++i)
         if (fabs(world[i % 4 * 4 + i / 4] - rows[i]) > 1e-9)
             fail_msg("node %u: row %d, column %d of the world matrix is %g, expected %g", number,
                 i / 4, i % 4, world[i % 4 * 4 + i / 4], rows[i]);
@@ -320,7 +320,7 @@ static void test_identity_is_the_input(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]");
-    for (int bake = 0; bake < 2; bake++) {
+    for (int bake = 0; bake < 2; ++bake) {
         result r;
         run(&a, NULL, bake, &r);
         assert_done(&r);
@@ -369,9 +369,9 @@ static void test_scenes_that_share_roots(void **state) {
     run(&a, doubled, 0, &r);
     assert_done(&r);
     assert_int_equal(count_of(&r, "nodes"), 8);
-    for (uint32_t i = 0; i < 4; i++) {
+    for (uint32_t i = 0; i < 4; ++i) {
         assert_world(&r, i, doubled);
-        for (uint32_t k = 0; k < i; k++)
+        for (uint32_t k = 0; k < i; ++k)
             assert_int_not_equal(node_parent(&r, i), node_parent(&r, k));
     }
     char expected[100];
@@ -425,8 +425,8 @@ static void assert_flat(const result *r, int axis) {
     drawn_scene after;
     scene_read(r->after, &after);
     assert_true(after.count > 0);
-    for (size_t i = 0; i < after.count; i++)
-        for (int k = 0; k < 3; k++) {
+    for (size_t i = 0; i < after.count; ++i)
+        for (int k = 0; k < 3; ++k) {
             assert_true(after.triangles[i].position[k][axis] == 0);
             assert_true(fabs(after.triangles[i].normal[k][axis]) == 1);
         }
@@ -498,7 +498,7 @@ static void test_bake_hierarchy(void **state) {
     assert_same_scene(&r, tilted, 1e-3);
     assert_identities(r.after);
     double moved[12];
-    for (int i = 0; i < 12; i++)
+    for (int i = 0; i < 12; ++i)
         moved[i] = tilted[i / 4 * 4] * camera[i % 4] + tilted[i / 4 * 4 + 1] * camera[4 + i % 4] +
                    tilted[i / 4 * 4 + 2] * camera[8 + i % 4] + (i % 4 == 3 ? tilted[i] : 0);
     assert_world(&r, 3, moved);
@@ -606,7 +606,7 @@ static void test_integer_positions(void **state) {
         {"\"translation\":[-1,0,0]", "\"componentType\":5126"},
         {"\"scale\":[70000,1,1]", "\"componentType\":5126"}};
     const uint16_t corners[3][4] = {{0, 0, 0, 0}, {10, 1, 0, 0}, {0, 21, 5, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         asset a;
         strcpy(a.text,
             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_mesh_quantization\"],"
@@ -656,10 +656,10 @@ static void test_mirrored_primitives(void **state) {
         SCALED(MODE_MESH("4", "")), SCALED(MODE_MESH("5", ",\"indices\":5")),
         SCALED(MODE_MESH("5", "")), SCALED(MODE_MESH("6", ",\"indices\":5")),
         SCALED(MODE_MESH("6", ""))};
-    for (size_t i = 0; i < sizeof rests / sizeof *rests; i++) {
+    for (size_t i = 0; i < sizeof rests / sizeof *rests; ++i) {
         asset a;
         make_asset(&a, rests[i]);
-        for (int odd = 0; odd < 2; odd++) {
+        for (int odd = 0; odd < 2; ++odd) {
             result r;
             if (odd) /* five corners, five vertices */
                 for (char *at = a.text; (at = strstr(at, "\"count\":6")) != NULL;) at[8] = '5';
@@ -694,7 +694,7 @@ static void accessor_floats(const result *r, uint32_t accessor, double out[6][4]
     static unsigned char bytes[20000];
     size_t size = 0;
     unsigned value = 0, bits = 0;
-    for (; *digits && *digits != '='; digits++) {
+    for (; *digits && *digits != '='; ++digits) {
         const char c = *digits;
         value = value << 6 | (unsigned)(c >= 'a'   ? c - 'a' + 26
                                         : c >= 'A' ? c - 'A'
@@ -705,8 +705,8 @@ static void accessor_floats(const result *r, uint32_t accessor, double out[6][4]
         if (bits >= 8) bytes[size++] = (unsigned char)(value >> (bits -= 8));
     }
     free(uri);
-    for (size_t i = 0; i < 6; i++)
-        for (size_t k = 0; k < *width; k++) {
+    for (size_t i = 0; i < 6; ++i)
+        for (size_t k = 0; k < *width; ++k) {
             float f;
             memcpy(
                 &f, bytes + view_offset + offset + i * (stride ? stride : 4 * *width) + 4 * k, 4);
@@ -751,7 +751,7 @@ static void test_morphs_and_tangents(void **state) {
     accessor_floats(&r, attribute_of(&r, 0, "TANGENT"), t1, &width);
     accessor_floats(&r, attribute_of(&r, 1, "POSITION"), d1, &width);
     accessor_floats(&r, attribute_of(&r, 1, "NORMAL"), e1, &width);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const double position[3] = {-p[i][1] + 4, 2 * p[i][0] + 5, -3 * p[i][2] + 6},
                      delta[3] = {-d[i][1], 2 * d[i][0], -3 * d[i][2]};
         const double normal[3] = {-n[i][1], n[i][0] / 2, -n[i][2] / 3},
@@ -760,7 +760,7 @@ static void test_morphs_and_tangents(void **state) {
                      length = sqrt(dot(normal, normal)),
                      along = dot(tangent, normal) / dot(normal, normal);
         double flat_tangent[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_true(fabs(p1[i][k] - position[k]) < 1e-6 && fabs(d1[i][k] - delta[k]) < 1e-6);
             assert_true(fabs(n1[i][k] - normal[k] / length) < 1e-6 &&
                         fabs(e1[i][k] - turned[k] / length) < 1e-6);
@@ -790,10 +790,10 @@ static sums sum_scene(norma_document *document, const double *rows) {
     drawn_scene scene;
     scene_read(document, &scene);
     sums s = {0, 0, 0, 0, scene.integers};
-    for (size_t i = 0; i < scene.count; i++) {
+    for (size_t i = 0; i < scene.count; ++i) {
         const scene_triangle t = expected_triangle(&scene.triangles[i], rows);
         double a[3], b[3], c[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             a[k] = t.position[1][k] - t.position[0][k];
             b[k] = t.position[2][k] - t.position[0][k];
             s.size = fmax(s.size, fabs(t.position[0][k]));
@@ -801,7 +801,7 @@ static sums sum_scene(norma_document *document, const double *rows) {
         cross(a, b, c);
         s.area += sqrt(dot(c, c));
         s.volume += dot(c, t.position[0]);
-        for (int k = 0; k < 3; k++) s.facing += dot(c, t.normal[k]);
+        for (int k = 0; k < 3; ++k) s.facing += dot(c, t.normal[k]);
     }
     scene_free(&scene);
     return s;
@@ -826,7 +826,7 @@ static void compare_sums(const char *name, const sums *a, const sums *b, const c
 }
 
 static int has_instances(norma_document *document) {
-    for (size_t i = 0; i < norma_document_node_count(document); i++) {
+    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info info;
         if (norma_document_node_info(document, i, &info) == NORMA_DOCUMENT_OK &&
             info.instances != 1)
@@ -840,12 +840,12 @@ static void transform_file(void *user, const char *path, const char *name) {
     tally *count = user;
     int skinned = 0;
     const int broken = strncmp(name, "bad/", 4) == 0;
-    for (int bake = 1; bake >= 0 && is_gltf(path); bake--) {
+    for (int bake = 1; bake >= 0 && is_gltf(path); --bake) {
         norma_document *document;
         norma_document_error error;
         if (norma_document_open(path, NULL, &document, &error) != NORMA_DOCUMENT_OK) {
             assert_true(strlen(error.message) > 10);
-            count->refused++;
+            ++count->refused;
             return;
         }
         result r;
@@ -853,11 +853,11 @@ static void transform_file(void *user, const char *path, const char *name) {
         skinned |= note_of(document, "skinned") != NULL; /* those are not where their node is */
         if (r.code != NORMA_DOCUMENT_OK && !broken) fail_msg("%s: %s", name, r.error.message);
         if (r.code != NORMA_DOCUMENT_OK)
-            count->failed++;
+            ++count->failed;
         else if (!broken && !skinned && !has_instances(r.before)) {
             const sums a = sum_scene(r.before, turned), b = sum_scene(r.after, NULL);
             if (!a.integers) compare_sums(name, &a, &b, bake ? "baked" : "a node above");
-            count->compared++;
+            ++count->compared;
         }
         count->baked_nodes += r.summary.nodes_baked;
         norma_document_close(document);
@@ -892,10 +892,10 @@ static void test_named_files(void **state) {
         {"gltf/misc/mirror/one_face_123_mirror.gltf", 0.01},
         {"gltf/khronos/VertexColorTest/VertexColorTest.gltf", 0.01},
         {"gltf/khronos/OrientationTest/OrientationTest.gltf", 0.01}};
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         char path[1000];
         snprintf(path, sizeof path, "%s/%s", data_folder(), files[i].name);
-        for (int given = 0; given < 2; given++) {
+        for (int given = 0; given < 2; ++given) {
             norma_document *document = scene_open(path);
             result r;
             run_on(document, scene_open(path), given ? turned : NULL, 1, path, &r);
@@ -933,7 +933,7 @@ static void test_instances(void **state) {
     scene_read(r.after, &after);
     assert_int_equal(after.count, 125 * 12);
     for (size_t i = 0; i < after.count;
-         i++) { /* flat cubes: stored normals are those of the facets */
+         ++i) { /* flat cubes: stored normals are those of the facets */
         double facet[3];
         scene_facet_normal(&after.triangles[i], facet);
         assert_true(scene_angle_deg(facet, after.triangles[i].normal[0]) < 0.01);
@@ -952,7 +952,7 @@ static void test_skinned_and_animated_files(void **state) {
         {"gltf/khronos/RiggedSimple/RiggedSimple.gltf", "skinned"},
         {"gltf/khronos/SimpleSkin/SimpleSkin.gltf", "skinned"},
         {"gltf/khronos/InterpolationTest/InterpolationTest.gltf", "animated"}};
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         char path[1000];
         snprintf(path, sizeof path, "%s/%s", data_folder(), files[i].name);
         norma_document *document = scene_open(path);

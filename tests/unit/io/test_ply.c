@@ -268,7 +268,7 @@ static void test_a_crease_splits_with_all_properties(void **state) {
             assert_true(rows_number(&now, face, f, "area") == (double)f);
             for (int k = 0; k < 4; ++k) {
                 const size_t vertex = (size_t)list[k], source = cube_faces[f][k];
-                used[vertex]++;
+                ++used[vertex];
                 if (vertex < 8) assert_int_equal(vertex, source);
                 static const char *const names[] = {"weight", "x", "y", "z", "red"};
                 for (int p = 0; p < 5; ++p)

@@ -124,7 +124,7 @@ static void test_attributes(void **state) {
     assert_memory_equal(
         full.texcoords, other_uvs, sizeof other_uvs); /* the set of the normal map */
     assert_null(full.corner_texcoords);
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < 4; ++i)
         assert_true(memcmp(full.colors + 4 * i, colors[i], sizeof colors[i]) == 0 &&
                     full.colors[4 * i + 3] == 1);
     assert_int_equal(full.tangent_count, 4);
@@ -231,7 +231,7 @@ static void test_deep_path(void **state) {
     assert_non_null(rest);
     add_square(&a);
     at += sprintf(at, "%s,\"nodes\":[", MESH);
-    for (int i = 0; i < DEPTH - 1; i++)
+    for (int i = 0; i < DEPTH - 1; ++i)
         at += sprintf(at, "{\"name\":\"node\",\"children\":[%d]},", i + 1);
     sprintf(at, "{\"name\":\"leaf\",\"mesh\":0}]");
     norma_document *document = asset_open(&a, rest, 0);
@@ -284,7 +284,7 @@ __extension__ typedef __int128 wide;
 
 static wide determinant(const int64_t m[3][3]) {
     wide sum = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         sum += (wide)m[0][i] * ((wide)m[1][j] * m[2][k] - (wide)m[1][k] * m[2][j]);
     }
@@ -298,7 +298,7 @@ static int64_t random_below(uint64_t *seed, int64_t bound) {
 
 static void random_matrix(uint64_t *seed, int kind, int64_t m[3][3]) {
     const int64_t times = random_below(seed, 1 << 18);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         m[0][i] = random_below(seed, 1 << 20);
         m[1][i] = kind < 2 ? random_below(seed, 1 << 20) : times * m[0][i] + random_below(seed, 3);
         m[2][i] = kind == 0   ? random_below(seed, 1 << 20)
@@ -318,15 +318,15 @@ static void test_mirrors(void **state) {
     assert_true(rest && expected);
     add_square(&a);
     at += sprintf(at, "%s,\"nodes\":[", MESH);
-    for (int n = 0; n < NODES; n++) {
+    for (int n = 0; n < NODES; ++n) {
         int64_t m[3][3];
         random_matrix(&seed, n % 3, m);
         const wide d = determinant((const int64_t(*)[3])m);
         expected[n] = d < 0;
-        signs[d < 0 ? 0 : d > 0 ? 2 : 1]++;
+        ++signs[d < 0 ? 0 : d > 0 ? 2 : 1];
         at += sprintf(at, "%s{\"mesh\":0,\"matrix\":[", n ? "," : "");
-        for (int c = 0; c < 3; c++) {
-            for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r)
                 at += sprintf(at, "%.17g,",
                     ldexp((double)m[c][r], n % 5 == 0   ? -340
                                            : n % 5 == 1 ? 270
@@ -338,7 +338,7 @@ static void test_mirrors(void **state) {
     strcpy(at, "]");
     assert_true(signs[0] > NODES / 4 && signs[1] > NODES / 4 && signs[2] > NODES / 4);
     norma_document *document = asset_open(&a, rest, 0);
-    for (size_t n = 0; n < NODES; n++)
+    for (size_t n = 0; n < NODES; ++n)
         assert_int_equal(node_info(document, n).mirrored_instances, expected[n]);
     norma_document_close(document);
     free(rest);
@@ -475,7 +475,7 @@ static void test_compute_lenient(void **state) {
         asset_floats(&a, &square[0][0], 4, 3);
         asset_floats(&a, &up[0][0], normals, 3);
         asset_uint16(&a, corners, 6);
-        for (int only = NORMA_ONLY_ALL; only <= NORMA_ONLY_BROKEN; only++) {
+        for (int only = NORMA_ONLY_ALL; only <= NORMA_ONLY_BROKEN; ++only) {
             norma_document *document = asset_open(&a, MESH, 1);
             const norma_compute_options options = {
                 .struct_size = sizeof options, .only = (norma_only)only};
@@ -602,10 +602,10 @@ static void test_obj_line_ends(void **state) {
     norma_mesh_info info;
     assert_int_equal(norma_document_mesh_info(plain, 0, &info), NORMA_DOCUMENT_OK);
     assert_memory_equal(a.corner_texcoords, first, sizeof first);
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < 2; ++k) {
         char other[2 * sizeof text];
         size_t length = 0;
-        for (size_t i = 0; i < sizeof text; i++)
+        for (size_t i = 0; i < sizeof text; ++i)
             if (text[i] == '\n')
                 length += (size_t)sprintf(other + length, "%s", ends[k]);
             else
@@ -648,11 +648,11 @@ static void test_many_materials(void **state) {
     char *text = malloc(COUNT * 64 + 100), *at = text;
     assert_non_null(text);
     at += sprintf(at, "v 0 0 0\nv 1 0 0\nv 1 1 0\n");
-    for (int i = 0; i < 2 * COUNT; i++) at += sprintf(at, "usemtl m%d\nf 1 2 3\n", i * 7 % COUNT);
+    for (int i = 0; i < 2 * COUNT; ++i) at += sprintf(at, "usemtl m%d\nf 1 2 3\n", i * 7 % COUNT);
     norma_document *document = open_text(text, "a.obj");
     assert_int_equal(norma_document_material_count(document), COUNT);
     const norma_mesh_attributes attributes = attributes_of(document, 0);
-    for (int i = 0; i < 2 * COUNT; i++) {
+    for (int i = 0; i < 2 * COUNT; ++i) {
         char name[16];
         sprintf(name, "m%d", i * 7 % COUNT);
         assert_string_equal(material_of(document, attributes.face_materials[i]).name, name);

@@ -11,7 +11,7 @@ static uint32_t number_parts(uint32_t *sources, size_t parts, uint32_t vertices,
     uint8_t *is_taken = calloc(vertices ? vertices : 1, 1);
     uint32_t added = 0;
     if (!is_taken) return UINT32_MAX;
-    for (size_t i = 0; i < parts; i++) {
+    for (size_t i = 0; i < parts; ++i) {
         const uint32_t vertex = sources[i];
         sources[added] = vertex; /* stays only if it is added */
         place[i] = is_taken[vertex] ? vertices + added : vertex;
@@ -31,8 +31,8 @@ uint32_t WEB_EXPORT(web_keep_numbers)(uint32_t *corners, size_t corner_count, ui
     const uint32_t count = number_parts(sources, parts, vertices, place);
     if (count == UINT32_MAX) return count;
     memset(values, 0, vertices * sizeof *values);
-    for (size_t i = 0; i < parts; i++) memcpy(values[place[i]], normals[i], sizeof *values);
-    for (size_t c = 0; c < corner_count; c++) corners[c] = place[corners[c]];
+    for (size_t i = 0; i < parts; ++i) memcpy(values[place[i]], normals[i], sizeof *values);
+    for (size_t c = 0; c < corner_count; ++c) corners[c] = place[corners[c]];
     return count;
 }
 

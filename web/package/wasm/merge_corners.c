@@ -32,7 +32,7 @@ static const uint32_t *value_of(const merging *m, size_t corner) {
 }
 
 static int are_equal(const uint32_t *a, const uint32_t *b, size_t size) {
-    for (size_t k = 0; k < size; k++)
+    for (size_t k = 0; k < size; ++k)
         if (a[k] != b[k]) return 0;
     return 1;
 }
@@ -40,7 +40,7 @@ static int are_equal(const uint32_t *a, const uint32_t *b, size_t size) {
 /* Where a new vertex for this corner is in the table, or would be put. */
 static uint32_t *slot_of(const merging *m, uint32_t vertex, size_t corner) {
     uint32_t hash = vertex;
-    for (size_t k = 0; k < m->size; k++) {
+    for (size_t k = 0; k < m->size; ++k) {
         hash = (hash ^ value_of(m, corner)[k]) * 0x9e3779b1U;
         hash ^= hash >> 15;
     }
@@ -65,7 +65,7 @@ static int grow(merging *m) {
     if (!m->table) return 0;
     m->mask = size - 1;
     memset(m->table, 0xff, size * sizeof *m->table);
-    for (uint32_t v = m->first_new; v < m->vertex_count; v++)
+    for (uint32_t v = m->first_new; v < m->vertex_count; ++v)
         *slot_of(m, vertex_of(m, m->corner_of[v]), m->corner_of[v]) = v;
     return 1;
 }
@@ -87,7 +87,7 @@ static uint32_t merge_corner(merging *m, uint32_t corner) {
     uint32_t *kept = m->of_old + m->size * vertex;
     if (m->corner_of[vertex] == NONE) {
         m->corner_of[vertex] = corner;
-        for (size_t k = 0; k < m->size; k++) kept[k] = value[k];
+        for (size_t k = 0; k < m->size; ++k) kept[k] = value[k];
         return vertex;
     }
     return are_equal(kept, value, m->size) ? vertex : new_vertex(m, vertex, corner);
@@ -109,7 +109,7 @@ uint32_t WEB_EXPORT(web_merge_corners)(const uint32_t *values, size_t size, cons
         .vertex_count = vertex_count};
     memset(corner_of, 0xff, vertex_count * sizeof *corner_of);
     memset(of_old, 0, vertex_count * size * sizeof *of_old);
-    for (uint32_t c = 0; c < corner_count && m.vertex_count != NONE; c++) {
+    for (uint32_t c = 0; c < corner_count && m.vertex_count != NONE; ++c) {
         merged[c] = merge_corner(&m, c);
         if (merged[c] == NONE) m.vertex_count = NONE;
     }
@@ -123,8 +123,8 @@ void WEB_EXPORT(web_gather_corners)(const uint32_t *values, size_t size, const v
     size_t corner_size, const uint32_t *corner_of, size_t count, uint32_t *out, uint32_t *sources) {
     const merging m = {
         .values = values, .size = size, .corners = corners, .corner_size = corner_size};
-    for (size_t i = 0; i < count; i++, out += size) {
-        for (size_t k = 0; k < size; k++) out[k] = value_of(&m, corner_of[i])[k];
+    for (size_t i = 0; i < count; ++i, out += size) {
+        for (size_t k = 0; k < size; ++k) out[k] = value_of(&m, corner_of[i])[k];
         sources[i] = vertex_of(&m, corner_of[i]);
     }
 }

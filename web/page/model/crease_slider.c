@@ -370,7 +370,7 @@ static int see_fans(creases *c, const uint32_t *corners, size_t count, const uin
     uint8_t fans, float of_fan[MOST_CORNERS][3]) {
     uint8_t members[MOST_CORNERS] = {0}, last[MOST_CORNERS];
     for (size_t i = 0; i < count; ++i) {
-        members[fan_of[i]]++;
+        ++members[fan_of[i]];
         last[fan_of[i]] = (uint8_t)i;
     }
     for (size_t f = 0; f < fans; ++f)
