@@ -45,7 +45,7 @@ typedef struct bench {
 static const float CREASE_60 = 1.0471975512F;
 
 static void stop_at(norma_result result, const char *what) {
-    if (result == NORMA_OK) return;
+    if (!result) return;
     fprintf(stderr, "bench: %s: %s\n", what, norma_result_text(result));
     exit(3);
 }

@@ -21,7 +21,7 @@ typedef struct plan_bench {
 } plan_bench;
 
 static void stop_at(norma_result result, const char *what) {
-    if (result == NORMA_OK) return;
+    if (!result) return;
     fprintf(stderr, "bench_plan: %s: %s\n", what, norma_result_text(result));
     exit(3);
 }

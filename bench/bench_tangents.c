@@ -17,7 +17,7 @@ typedef struct textured_mesh {
 } textured_mesh;
 
 static void stop_at(norma_result result) {
-    if (result == NORMA_OK) return;
+    if (!result) return;
     fprintf(stderr, "bench_tangents: %s\n", norma_result_text(result));
     exit(3);
 }

@@ -18,7 +18,7 @@ static const char *const CALL_NAMES[CALLS] = {
     "vertices, by index", "vertices, default", "corners, crease 60"};
 
 static void stop_at(norma_result result, const char *what) {
-    if (result == NORMA_OK) return;
+    if (!result) return;
     fprintf(stderr, "bench: %s: %s\n", what, norma_result_text(result));
     exit(3);
 }

@@ -34,7 +34,7 @@ static void planned(
     options.weight = weight;
     options.threads = threads;
     norma_plan *plan = nullptr;
-    if (norma_plan_create(&view, NORMA_PER_VERTEX, 1.0471976f, &options, &plan) != NORMA_OK) return;
+    if (norma_plan_create(&view, NORMA_PER_VERTEX, 1.0471976f, &options, &plan)) return;
     const double seconds = least(
         9, [] {},
         [&] {

@@ -79,7 +79,7 @@ static PyObject *normals(PyObject *self, PyObject *arguments) {
             : norma_corner_normals(
                   &call.mesh, crease, &call.options, at(out), (size_t)capacity, &report);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return refused_mesh(result, &call, of == OF_CORNERS ? &crease : NULL);
+    if (result) return refused_mesh(result, &call, of == OF_CORNERS ? &crease : NULL);
     return norma_py_counts(&report);
 }
 
@@ -103,7 +103,7 @@ static PyObject *split(PyObject *self, PyObject *arguments) {
     const norma_result result = norma_split(&call.mesh, crease, &call.options, at(corners),
         call.mesh.corner_count, at(sources), at(out), (size_t)capacity, &vertices, &report);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return refused_mesh(result, &call, &crease);
+    if (result) return refused_mesh(result, &call, &crease);
     return Py_BuildValue("Nn", norma_py_counts(&report), (Py_ssize_t)vertices);
 }
 
@@ -142,7 +142,7 @@ static PyObject *tangents(PyObject *self, PyObject *arguments) {
     const norma_result result = norma_corner_tangents(&call.mesh, &directions, &texcoords,
         (norma_tangent_mode)mode, &call.options, at(out), (size_t)capacity, &report);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return refused_mesh(result, &call, NULL);
+    if (result) return refused_mesh(result, &call, NULL);
     return norma_py_counts(&report);
 }
 
@@ -190,8 +190,7 @@ static PyObject *index_corners(PyObject *self, PyObject *arguments) {
     const int interrupted = norma_py_take_lock(&w);
     PyMem_Free(streams);
     if (interrupted) return NULL;
-    return result == NORMA_OK ? PyLong_FromSize_t(indexed.vertex_count)
-                              : norma_py_refusal(result, NULL);
+    return !result ? PyLong_FromSize_t(indexed.vertex_count) : norma_py_refusal(result, NULL);
 }
 
 /* orient(mesh, options, by_rays, reverse, capacity) -> what was found, or why it was refused */
@@ -211,7 +210,7 @@ static PyObject *orient(PyObject *self, PyObject *arguments) {
     const norma_result result = norma_orient(
         &call.mesh, (norma_orient_open)by_rays, &call.options, at(reverse), (size_t)capacity, &r);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return refused_mesh(result, &call, NULL);
+    if (result) return refused_mesh(result, &call, NULL);
     return Py_BuildValue("nnnnnnnndnnn", (Py_ssize_t)r.parts, (Py_ssize_t)r.closed,
         (Py_ssize_t)r.open, (Py_ssize_t)r.one_sided, (Py_ssize_t)r.inward, (Py_ssize_t)r.nested,
         (Py_ssize_t)r.by_rays, (Py_ssize_t)r.undecided, r.least_confidence,
@@ -246,11 +245,10 @@ static PyObject *compare(PyObject *self, PyObject *arguments) {
     begin_call(&calls[0], &w);
     norma_result result = norma_compare(
         &surfaces[0], &surfaces[1], &calls[0].options, at(samples), (size_t)capacity, &same);
-    if (result == NORMA_OK)
-        result = norma_compare_summary(at(samples), (size_t)capacity, most, NULL, &c);
+    if (!result) result = norma_compare_summary(at(samples), (size_t)capacity, most, NULL, &c);
     if (norma_py_take_lock(&w)) return NULL;
-    for (int i = 0; i < 2 && result != NORMA_OK; ++i)
-        if (i || norma_find_fault(&calls[i].mesh, NULL, NULL, NULL) != NORMA_OK)
+    for (int i = 0; i < 2 && result; ++i)
+        if (i || norma_find_fault(&calls[i].mesh, NULL, NULL, NULL))
             return refused_mesh(result, &calls[i], NULL);
     return Py_BuildValue("innddddddddn", same, (Py_ssize_t)c.corners, (Py_ssize_t)c.missing, c.area,
         c.p50_rad, c.p99_rad, c.max_rad, c.p50_distance, c.p99_distance, c.max_distance,
@@ -275,7 +273,7 @@ static PyObject *closest(PyObject *self, PyObject *arguments) {
         norma_closest_points(&call.mesh, (norma_vec3_view){p.data, p.count, p.stride, p.format},
             &call.options, at(found), (size_t)capacity);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return refused_mesh(result, &call, NULL);
+    if (result) return refused_mesh(result, &call, NULL);
     Py_RETURN_NONE;
 }
 
@@ -306,7 +304,7 @@ static PyObject *plan(PyObject *self, PyObject *arguments) {
         norma_plan_destroy(made);
         return NULL;
     }
-    if (result != NORMA_OK) return refused_mesh(result, &call, &crease);
+    if (result) return refused_mesh(result, &call, &crease);
     PyObject *capsule = PyCapsule_New(made, PLAN, free_plan);
     if (!capsule) norma_plan_destroy(made);
     return capsule;
@@ -332,7 +330,7 @@ static PyObject *plan_update(PyObject *self, PyObject *arguments) {
     const norma_result result = norma_plan_update(of, call.mesh.positions, at(moved),
         (size_t)moved_count, &call.options, at(out), (size_t)capacity, &report);
     if (norma_py_take_lock(&w)) return NULL;
-    return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, NULL);
+    return !result ? norma_py_counts(&report) : norma_py_refusal(result, NULL);
 }
 
 static PyObject *plan_bytes(PyObject *self, PyObject *capsule) {

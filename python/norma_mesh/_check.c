@@ -164,7 +164,7 @@ static PyObject *check_arrays(PyObject *self, PyObject *arguments) {
         norma_findings_free(findings);
         return NULL;
     }
-    if (result == NORMA_OK) return findings_list(findings);
+    if (!result) return findings_list(findings);
     norma_fault fault;
     norma_find_fault(&call.mesh, NULL, &call.options, &fault);
     return norma_py_refusal(result, &fault);
@@ -247,7 +247,7 @@ static PyObject *rules_select(PyObject *self, PyObject *arguments) {
         return NULL;
     }
     memcpy(marked, mask, count);
-    if (norma_rules_select(list, marked, unknown) != NORMA_OK) return norma_py_text(unknown);
+    if (norma_rules_select(list, marked, unknown)) return norma_py_text(unknown);
     return PyBytes_FromStringAndSize((const char *)marked, size);
 }
 

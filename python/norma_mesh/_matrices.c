@@ -19,17 +19,15 @@ static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
     for (size_t i = 0; doubles && i < (size_t)count && !norma_py_let_signals_in(&w, 0); ++i) {
         const double *model = (const double *)at(models) + 16 * i;
         double *normal_matrix = (double *)at(out) + 9 * i;
-        if (norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, normal_matrix, NULL) !=
-                NORMA_OK &&
-            result == NORMA_OK) {
+        if (norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, normal_matrix, NULL) &&
+            !result) {
             result = NORMA_ERROR_ARGUMENT;
             fault.index = i;
         }
     }
-    if (result != NORMA_OK && !doubles)
-        norma_find_model_fault(at(models), 0, (size_t)count, &fault);
+    if (result && !doubles) norma_find_model_fault(at(models), 0, (size_t)count, &fault);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return norma_py_refusal(result, &fault);
+    if (result) return norma_py_refusal(result, &fault);
     Py_RETURN_NONE;
 }
 
@@ -43,7 +41,7 @@ static PyObject *matrix_info(PyObject *self, PyObject *argument) {
     for (size_t i = 0; i < 16; ++i) columns[i] = ((const double *)at(model))[i % 4 * 4 + i / 4];
     const norma_result result =
         norma_normal_matrix_double(columns, NORMA_WINDING_REVERSED, unused, &info);
-    if (result != NORMA_OK)
+    if (result)
         return norma_py_refusal(
             result, &(norma_fault){result, "model", SIZE_MAX, "finite in the upper 3x3"});
     const float *n = info.worst_normal;
@@ -66,7 +64,7 @@ static PyObject *transform_normals(PyObject *self, PyObject *arguments) {
     const norma_result result =
         norma_transform_normals(at(matrix), view, at(out), (size_t)out_stride, (size_t)count);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return norma_py_refusal(result, NULL);
+    if (result) return norma_py_refusal(result, NULL);
     Py_RETURN_NONE;
 }
 
@@ -85,7 +83,7 @@ static PyObject *encode_normals(PyObject *self, PyObject *arguments) {
     const norma_result result =
         norma_encode_normals(view, (norma_encoding)encoding, at(codes), 0, (size_t)count, &report);
     if (norma_py_take_lock(&w)) return NULL;
-    return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, NULL);
+    return !result ? norma_py_counts(&report) : norma_py_refusal(result, NULL);
 }
 
 /* decode_normals(codes, count, encoding, out, stride) -> None, or why it was refused */
@@ -100,7 +98,7 @@ static PyObject *decode_normals(PyObject *self, PyObject *arguments) {
     const norma_result result = norma_decode_normals(
         at(codes), 0, (size_t)count, (norma_encoding)encoding, at(out), (size_t)out_stride);
     if (norma_py_take_lock(&w)) return NULL;
-    if (result != NORMA_OK) return norma_py_refusal(result, NULL);
+    if (result) return norma_py_refusal(result, NULL);
     Py_RETURN_NONE;
 }
 
@@ -171,9 +169,9 @@ static PyObject *skin(PyObject *self, PyObject *arguments) {
         of == 0   ? norma_skin_positions(&s, in, &options, at(out), s.vertex_count)
         : of == 1 ? norma_skin_normals(&s, in, &options, at(out), s.vertex_count, &report)
                   : norma_skin_tangents(&s, in.data, normals, &options, at(out), s.vertex_count);
-    if (result != NORMA_OK) norma_find_skin_fault(&s, &options, &fault);
+    if (result) norma_find_skin_fault(&s, &options, &fault);
     if (norma_py_take_lock(&w)) return NULL;
-    return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, &fault);
+    return !result ? norma_py_counts(&report) : norma_py_refusal(result, &fault);
 }
 
 /* A row of heights, the ones before and after it (or itself at the border), and what 1 in the

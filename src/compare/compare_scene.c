@@ -336,8 +336,8 @@ static norma_result compare_groups(
 norma_document_result compared_pair_measure(compared_pair *pair, double max_rad,
     const norma_options *options, norma_document_error *error) {
     const norma_result compared = compare_groups(pair, max_rad, options);
-    if (compared == NORMA_OK && pair->all.area > 0) return error->result = NORMA_DOCUMENT_OK;
-    if (compared == NORMA_OK)
+    if (!compared && pair->all.area > 0) return error->result = NORMA_DOCUMENT_OK;
+    if (!compared)
         return fail_compared(&pair->other, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             "nothing can be compared: no face has an area");
     snprintf(error->message, sizeof error->message, "%.800s: cannot be compared: %s",

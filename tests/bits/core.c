@@ -48,7 +48,7 @@ static answer room_for(size_t count, size_t stride) {
 
 static void take(answer *a, norma_result result, bits_hash *hash) {
     bits_add(hash, (uint64_t)(int64_t)result);
-    if (result == NORMA_OK) {
+    if (!result) {
         bits_bytes(hash, a->normals, a->count * a->stride);
         bits_bytes(hash, a->reasons, a->count);
         bits_report(hash, &a->report);
@@ -143,7 +143,7 @@ void bits_split(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
         const norma_result result = norma_split(
             &m->mesh, CREASES[0], &options, at, count, sources, a.normals, count, &made, &a.report);
         bits_size(hash, made);
-        if (result == NORMA_OK) {
+        if (!result) {
             bits_bytes(hash, at, 4 * count);
             bits_bytes(hash, sources, 4 * made);
         }
@@ -267,7 +267,7 @@ void bits_morphs(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
     const norma_result result = norma_morph_normals(
         &m->mesh, NULL, targets, 2, 1e-3f, &options, starts, at, deltas, 2 * count);
     bits_add(hash, (uint64_t)(int64_t)result);
-    if (result == NORMA_OK) {
+    if (!result) {
         for (int t = 0; t < 3; ++t) bits_size(hash, starts[t]);
         bits_bytes(hash, at, 4 * starts[2]);
         bits_floats(hash, deltas, 3 * starts[2]);
@@ -293,7 +293,7 @@ void bits_orient(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
         const norma_result result =
             norma_orient(&m->mesh, (norma_orient_open)open, &options, reverse, count, &report);
         bits_add(hash, (uint64_t)(int64_t)result);
-        if (result == NORMA_OK) {
+        if (!result) {
             const size_t counts[] = {report.parts, report.closed, report.open, report.one_sided,
                 report.inward, report.nested, report.by_rays, report.undecided,
                 report.reversed_faces, report.winding_conflicts, report.non_manifold_edges};

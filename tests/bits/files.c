@@ -82,7 +82,7 @@ void bits_check(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
     const norma_result result =
         norma_explain_normals(&mesh.data, NORMA_NORMALS_PER_VERTEX, &options, &deviation);
     bits_add(hash, (uint64_t)(int64_t)result);
-    if (result == NORMA_OK) add_deviation(&deviation, hash);
+    if (!result) add_deviation(&deviation, hash);
     free(normals);
 }
 

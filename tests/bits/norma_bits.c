@@ -32,7 +32,7 @@ static void backwards(void *user, size_t count, norma_task *task, void *context)
 static int has(norma_isa isa) {
     const norma_mesh nothing = {.corner_count = 0};
     const norma_options options = {.struct_size = sizeof options, .isa = isa};
-    return norma_face_normals(&nothing, &options, NULL, 0, NULL) == NORMA_OK;
+    return !norma_face_normals(&nothing, &options, NULL, 0, NULL);
 }
 
 static void add_way(run *r, uint32_t threads, norma_isa isa, norma_parallel_for *jobs) {

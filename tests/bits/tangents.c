@@ -24,7 +24,7 @@ void bits_tangents(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
         const norma_result result = norma_corner_tangents(&m->mesh, &normal, &texcoord,
             (norma_tangent_mode)mode, &options, tangents, count, &report);
         bits_add(hash, (uint64_t)(int64_t)result);
-        if (result == NORMA_OK) {
+        if (!result) {
             bits_floats(hash, tangents, 4 * count);
             bits_bytes(hash, reasons, count);
             bits_report(hash, &report);

@@ -145,7 +145,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     made_mesh *mesh = made_mesh_take(&rest);
     run(mesh, what, crease, &made.options, short_by, &out);
     fuzz_allocator_finish(&made.allocator);
-    if (out.result == NORMA_OK) judge(&out, what, &made.options);
+    if (!out.result) judge(&out, what, &made.options);
     if (out.result != NORMA_ERROR_MEMORY) {
         norma_options one = made.options;
         one.allocator = (norma_allocator){0};

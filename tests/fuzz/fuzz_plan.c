@@ -19,7 +19,7 @@ static void compare_with_mesh(const made_mesh *made, float crease, const norma_o
     norma_options plain = *options;
     plain.normal_stride = 0;
     plain.allocator = (norma_allocator){0};
-    if (norma_corner_normals(&made->mesh, crease, &plain, other, count, NULL) == NORMA_OK &&
+    if (!norma_corner_normals(&made->mesh, crease, &plain, other, count, NULL) &&
         options->fallback != NORMA_FALLBACK_NEAREST)
         for (size_t i = 0; i < count; ++i)
             if (memcmp(normals + 3 * i, other + 3 * i, 12) != 0)

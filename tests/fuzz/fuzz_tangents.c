@@ -109,7 +109,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     in.texcoords = take_attribute(&rest, in.mesh, &blocks[1], &numbers[1]);
     run(&in, &made.options, &out);
     fuzz_allocator_finish(&made.allocator);
-    if (out.result == NORMA_OK) judge(&in, &out);
+    if (!out.result) judge(&in, &out);
     if (out.result != NORMA_ERROR_MEMORY && out.result != NORMA_CANCELLED) {
         norma_options one = made.options;
         one.allocator = (norma_allocator){0};

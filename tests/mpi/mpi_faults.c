@@ -154,7 +154,7 @@ static void fail_memory(fixture *f, norma_options o, const char *name) {
         int most[2], blocks = m.blocks != 0;
         MPI_Allreduce(results, most, 2, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
         MPI_Allreduce(MPI_IN_PLACE, &blocks, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-        over = most[0] == NORMA_OK && most[1] == NORMA_OK;
+        over = !most[0] && !most[1];
         wrong = most[0] != -most[1] || blocks || (!over && most[0] != NORMA_ERROR_MEMORY);
     }
     if (!f->rank) printf("# %s: %ld allocations failed one after another\n", name, n - 1);

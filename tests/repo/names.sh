@@ -29,5 +29,11 @@ lost=$(strays src)
 if [ -z "$lost" ]; then pass "every file that a comment in src names is there"; else fail "every file that a comment in src names is there" "$lost"; fi
 printf '/* As in names_that_are_gone.c, unlike corner.h. */\n#include "gone_too.h"\nint a;\n' >"$scratch/made/a/one.c"
 check "a name that no file has is found, an include is none" test "$(strays "$scratch/made")" = names_that_are_gone.c
+# Habits: ++i where only the step counts, and !result.
+strangers() { grep -rnE --include='*.[ch]' --include='*.cpp' '(^ *|; )[A-Za-z_][][A-Za-z0-9_.>-]*(\+\+|--)[;)]|[=!]= NORMA_OK( |\))' "$1"; }
+others=$(strangers src)
+if [ -z "$others" ]; then pass "src steps by ++i and asks for !result"; else fail "src steps by ++i and asks for !result" "$others"; fi
+printf 'for (int i = 0; i < n; i++) a++;\nif (f() != NORMA_OK) return;\n++a;\nb[n++] = a;\n' >"$scratch/made/a/one.c"
+check "other habits are found" test "$(strangers "$scratch/made/a/one.c" | wc -l)" = 2
 echo "# src: $(find src -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' | wc -l) files, $(find src -name '*.h' | wc -l) private headers, $(find src -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' \) -exec cat {} + | wc -l) lines; core: $(find src/core -name '*.[ch]' | wc -l) files, $(find src/core -name '*.[ch]' -exec cat {} + | wc -l) lines"
 finish

@@ -46,7 +46,7 @@ static void compute(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_options options = {.reasons = reasons, .threads = how.threads};
     const norma_result result = norma_core_corner_tangents(
         mesh, normals, texcoords, how.maker, &options, tangents, mesh->corner_count, NULL);
-    if (result == NORMA_OK) return;
+    if (!result) return;
     fprintf(stderr, "%s\n", norma_result_text(result));
     exit(1);
 }

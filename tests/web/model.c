@@ -49,8 +49,7 @@ static void use(model *m) {
     for (uint32_t i = 0; i < m->head->mesh_count; ++i) {
         double found[5], worst = 0;
         for (int wanted = 0; wanted < 3; ++wanted)
-            if (model_compute(m, i, wanted, NORMA_WEIGHT_ANGLE, NORMA_WELD_EXACT, 60) != NORMA_OK)
-                exit(4);
+            if (model_compute(m, i, wanted, NORMA_WEIGHT_ANGLE, NORMA_WELD_EXACT, 60)) exit(4);
         worst = model_errors(m, i);
         if (isnan(worst) || worst > 180.001) exit(5);
         const double ray[6] = {0.01, 0.02, 3, 0, 0, -1};

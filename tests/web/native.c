@@ -27,7 +27,7 @@ static void *read_bytes(size_t bytes) {
 }
 
 static void answer(int32_t result, const void *bytes, size_t size) {
-    const uint32_t length = result == NORMA_OK ? (uint32_t)size : 0;
+    const uint32_t length = !result ? (uint32_t)size : 0;
     fwrite(&result, 4, 1, stdout);
     fwrite(&length, 4, 1, stdout);
     fwrite(bytes, 1, length, stdout);
@@ -66,12 +66,11 @@ static void answer_plan(const head *h, const norma_mesh *mesh, const norma_optio
     float *normals = room(24 * count);
     uint32_t *moved = room(4 * half);
     for (size_t i = half / 2; i < half; ++i) moved[i - half / 2] = (uint32_t)i;
-    if (result == NORMA_OK)
-        result = norma_plan_update(plan, later, NULL, 0, options, normals, count, NULL);
-    if (result == NORMA_OK)
+    if (!result) result = norma_plan_update(plan, later, NULL, 0, options, normals, count, NULL);
+    if (!result)
         result = norma_plan_update(
             plan, made.positions, NULL, 0, options, normals + 3 * count, count, NULL);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_plan_update(
             plan, later, moved, half - half / 2, options, normals + 3 * count, count, NULL);
     answer(result, normals, 24 * count);

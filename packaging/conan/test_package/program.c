@@ -8,5 +8,5 @@ int main(void) {
     float normals[9];
     const norma_result result = norma_vertex_normals(&mesh, NULL, normals, 3, NULL);
     printf("norma %s: %s\n", norma_version(), norma_result_text(result));
-    return result != NORMA_OK || normals[2] < 1;
+    return result || normals[2] < 1;
 }

@@ -39,8 +39,7 @@ static void count_instances(node_kind *kind, size_t index, size_t times) {
 static void judge_world(const double world[16], size_t index, size_t times, node_sums *sums) {
     double normal_matrix[9];
     norma_matrix_info info;
-    int finite =
-        norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK;
+    int finite = !norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info);
     if (!finite || info.rank < 3) {
         const int had_less = sums->singular.count && sums->rank < info.rank;
         sums->rank = had_less ? sums->rank : finite ? info.rank : 0;

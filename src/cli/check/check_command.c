@@ -120,7 +120,7 @@ static const char *set_rules(check_work *work, const char *value, uint8_t *mask)
     static const char expected[] =
         "ids of rules (N301), their beginnings (N3) or names, with commas";
     char unknown[64] = "";
-    if (norma_rules_select(value, mask, unknown) == NORMA_OK) return NULL;
+    if (!norma_rules_select(value, mask, unknown)) return NULL;
     const char *meant = cli_suggest_rule(unknown);
     if (!meant) return expected;
     snprintf(work->expected, sizeof work->expected, "%s; did you mean %s?", expected, meant);

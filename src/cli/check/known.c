@@ -135,7 +135,7 @@ static int read_rules(
             config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
     for (cli_value word = cli_first(list); word.in; word = cli_next(word)) {
         uint8_t some[CHECK_RULES] = {0};
-        if (!cli_string(word) || norma_rules_select(cli_string(word), some, unknown) != NORMA_OK)
+        if (!cli_string(word) || norma_rules_select(cli_string(word), some, unknown))
             return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule) mask[rule] |= some[rule];
     }
@@ -155,7 +155,7 @@ static int read_severities(
             word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : (int)cli_find_severity(word);
         if (!number)
             return fail_word(config, where, word, "\"off\", \"info\", \"warning\" or \"error\"");
-        if (norma_rules_select(cli_key(value), mask, unknown) != NORMA_OK)
+        if (norma_rules_select(cli_key(value), mask, unknown))
             return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule)
             if (mask[rule]) severity[rule] = (uint8_t)number;

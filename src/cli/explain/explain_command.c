@@ -121,7 +121,7 @@ static uint8_t *choose_named_rules(
     if (mask && !words->count) memset(mask, 1, count);
     for (size_t i = 0; mask && i < words->count && !*status; ++i) {
         char unknown[64] = "";
-        if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
+        if (norma_rules_select(words->words[i], mask, unknown))
             *status = fail_unknown(command, unknown);
     }
     return mask;

@@ -51,7 +51,7 @@ static int answer(const cli_subcommand *command, const double model[16], matrix_
     if (!result) result = norma_cofactor_matrix(model, found->cofactor);
     if (result) return cli_usage(command, "%s", norma_result_text(result));
     found->model = model;
-    found->has_inverse = norma_inverse_transpose(model, found->inverse_transpose) == NORMA_OK;
+    found->has_inverse = !norma_inverse_transpose(model, found->inverse_transpose);
     for (int i = 0; i < 9 && found->has_inverse; ++i)
         found->has_inverse = isfinite(found->inverse_transpose[i]);
     found->shortcut = norma_matrix_shortcut(&found->info);
@@ -209,8 +209,7 @@ static void print_shortcut(matrix_answer *found) {
         break;
     }
     printf("M (n / s^2), s the lengths of M's columns: no inverse needed\n");
-    if (norma_axis_scale_matrix(found->model, found->axis_scale) == NORMA_OK)
-        print_rows(found->axis_scale, 3);
+    if (!norma_axis_scale_matrix(found->model, found->axis_scale)) print_rows(found->axis_scale, 3);
 }
 
 static void print_matrix(matrix_answer *found) {

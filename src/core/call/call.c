@@ -63,13 +63,13 @@ norma_result norma_core_check_options(const norma_options *options, norma_fault 
         return refuse_option(fault, "options->struct_size",
             "0 in all bytes that this version of the library does not know");
     const norma_result result = check_choices(options, fault);
-    return result == NORMA_OK ? check_resources(options, fault) : result;
+    return !result ? check_resources(options, fault) : result;
 }
 
 norma_result norma_core_begin(core_call *call, const norma_options *options) {
     *call = (core_call){0};
     const norma_result result = norma_core_check_options(options, NULL);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (options)
         memcpy(&call->options, options,
             size_of(options) < sizeof(norma_options) ? size_of(options) : sizeof(norma_options));
@@ -138,7 +138,7 @@ int norma_core_progress(core_call *call, double fraction_of_stage) {
 
 norma_result norma_core_finish(core_call *call, norma_result result) {
     norma_core_stage(call, 1, 1);
-    return result == NORMA_OK && norma_core_progress(call, 1) ? NORMA_CANCELLED : result;
+    return !result && norma_core_progress(call, 1) ? NORMA_CANCELLED : result;
 }
 
 /* ---- what the machine can run, asked of the processor, not of the compiler. */

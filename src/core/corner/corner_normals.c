@@ -49,11 +49,11 @@ static norma_result compute_corners(
     norma_result result = norma_core_visit_positions(prepared, &visit, &sum);
     const size_t without =
         sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
-    if (result == NORMA_OK && work.reasons && without)
+    if (!result && work.reasons && without)
         result = norma_core_fill_corners(
             prepared, work.reasons, NULL, take_corner_normal, (void *)(uintptr_t)output);
     norma_core_release(call, work.reasons, count, 1);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
     return NORMA_OK;
@@ -67,12 +67,12 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     core_prepared_mesh prepared;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_gather(&call);
     result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
-    if (result == NORMA_OK) {
+    if (!result) {
         result = norma_core_finish(&call, compute_corners(&prepared, &output, report));
         norma_core_prepared_mesh_close(&prepared);
     }

@@ -25,12 +25,12 @@ static norma_result find_sources(corner_filling *f) {
     const core_mesh *mesh = &f->prepared->mesh;
     core_nearest nearest;
     norma_result result = norma_core_nearest_begin(f->prepared->call, mesh, &nearest);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     for (size_t c = 0; c < mesh->corner_count; ++c)
         if (f->reasons[c] == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, norma_core_corner(mesh, c), (uint32_t)c);
     result = norma_core_nearest_plant(&nearest, f->count);
-    for (size_t c = 0; c < mesh->corner_count && result == NORMA_OK; ++c) {
+    for (size_t c = 0; c < mesh->corner_count && !result; ++c) {
         if (!is_wanting(f, c)) continue;
         const uint32_t source = norma_core_nearest_find(&nearest, norma_core_corner(mesh, c));
         if (source == UINT32_MAX) break;
@@ -64,8 +64,7 @@ static norma_result fetch_normals(const corner_filling *f) {
     corner_request *requests = f->requests;
     core_star star;
     const size_t most = prepared->corners_of.most;
-    if (norma_core_star_allocate(prepared->call, &star, most) != NORMA_OK)
-        return NORMA_ERROR_MEMORY;
+    if (norma_core_star_allocate(prepared->call, &star, most)) return NORMA_ERROR_MEMORY;
     norma_core_sort(requests, f->found, sizeof *requests, request_less);
     for (size_t i = 0; i < f->found; ++i) {
         if (i == 0 || requests[i].position != requests[i - 1].position)
@@ -86,8 +85,8 @@ norma_result norma_core_fill_corners(const core_prepared_mesh *prepared, const u
     f.requests = norma_core_allocate(prepared->call, f.count, sizeof *f.requests);
     if (!f.requests) return NORMA_ERROR_MEMORY;
     norma_result result = find_sources(&f);
-    if (result == NORMA_OK && f.found) result = fetch_normals(&f);
-    for (size_t c = 0; c < corners && result == NORMA_OK && !f.found; ++c)
+    if (!result && f.found) result = fetch_normals(&f);
+    for (size_t c = 0; c < corners && !result && !f.found; ++c)
         if (is_wanting(&f, c)) take(context, (uint32_t)c, zero);
     norma_core_release(prepared->call, f.requests, f.count, sizeof *f.requests);
     return result;

@@ -46,9 +46,9 @@ static norma_result core_check_streams(
     if (corner_count >= UINT32_MAX)
         return norma_core_refuse(
             fault, NORMA_ERROR_OVERFLOW, "corner_count", SIZE_MAX, "fewer than 2^32 - 1 corners");
-    for (size_t s = 0; s < stream_count && result == NORMA_OK; ++s)
+    for (size_t s = 0; s < stream_count && !result; ++s)
         result = check_stream(&streams[s], s, corner_count, fault);
-    for (size_t s = 0; s < stream_count && result == NORMA_OK; ++s)
+    for (size_t s = 0; s < stream_count && !result; ++s)
         result = check_indices(&streams[s], corner_count, fault);
     return result;
 }
@@ -57,8 +57,7 @@ norma_result norma_find_stream_fault(const norma_stream *streams, size_t stream_
     size_t corner_count, const norma_options *options, norma_fault *fault) {
     norma_core_refuse(fault, NORMA_OK, NULL, SIZE_MAX, NULL);
     const norma_result result = norma_core_check_options(options, fault);
-    return result == NORMA_OK ? core_check_streams(streams, stream_count, corner_count, fault)
-                              : result;
+    return !result ? core_check_streams(streams, stream_count, corner_count, fault) : result;
 }
 
 /* ---- who agrees */
@@ -156,11 +155,11 @@ norma_result norma_core_index_corners(core_call *call, const norma_stream *strea
     if (!firsts) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_weld_keys(call, &keys, firsts, &found);
     result = norma_core_finish(call, result);
-    if (result == NORMA_OK) {
+    if (!result) {
         const size_t vertices = count_firsts(firsts, corner_count);
         result = check_room(to, corner_count, vertices);
-        if (result == NORMA_OK) write_indexed(firsts, corner_count, to);
-        if (result == NORMA_OK) to->vertex_count = vertices;
+        if (!result) write_indexed(firsts, corner_count, to);
+        if (!result) to->vertex_count = vertices;
     }
     norma_core_release(call, firsts, corner_count, sizeof *firsts);
     return result;
@@ -177,9 +176,9 @@ norma_result norma_index_corners(const norma_stream *streams, size_t stream_coun
     size_t corner_count, const norma_options *options, norma_indexed *indexed) {
     core_call call;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_check_indexed(indexed);
-    if (result == NORMA_OK) result = core_check_streams(streams, stream_count, corner_count, NULL);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_check_indexed(indexed);
+    if (!result) result = core_check_streams(streams, stream_count, corner_count, NULL);
+    if (result) return result;
     norma_core_share(&call, corner_count);
     norma_core_stage(&call, 0, 0.97);
     return norma_core_index_corners(&call, streams, stream_count, corner_count, indexed);
@@ -190,14 +189,14 @@ norma_result norma_copy_values(const norma_stream *stream, const uint32_t *sourc
     if (!stream || (count && (!sources || !out))) return NORMA_ERROR_ARGUMENT;
     const size_t step = out_stride ? out_stride : stream->size;
     norma_result result = check_stream(stream, 0, 0, NULL);
-    if (result == NORMA_OK && step < stream->size) result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK && count > capacity) result = NORMA_ERROR_CAPACITY;
-    if (result == NORMA_OK && count && count - 1 > (SIZE_MAX - stream->size) / step)
+    if (!result && step < stream->size) result = NORMA_ERROR_ARGUMENT;
+    if (!result && count > capacity) result = NORMA_ERROR_CAPACITY;
+    if (!result && count && count - 1 > (SIZE_MAX - stream->size) / step)
         result = NORMA_ERROR_OVERFLOW;
-    for (size_t i = 0; i < count && result == NORMA_OK; ++i)
+    for (size_t i = 0; i < count && !result; ++i)
         if ((stream->corners ? stream->corners[sources[i]] : sources[i]) >= stream->count)
             result = NORMA_ERROR_INDEX;
-    for (size_t i = 0; i < count && result == NORMA_OK; ++i)
+    for (size_t i = 0; i < count && !result; ++i)
         memcpy((unsigned char *)out + i * step, value_at(stream, sources[i]), stream->size);
     return result;
 }

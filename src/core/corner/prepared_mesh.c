@@ -81,7 +81,7 @@ norma_result norma_core_borrow_directions(core_prepared_mesh *s) {
     norma_result result = borrowed_from && longest
                               ? norma_core_star_allocate(s->call, &star, s->corners_of.most)
                               : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         borrow_at_each(s, longest, &star, borrowed_from);
         norma_core_star_release(s->call, &star, s->corners_of.most);
         s->borrowed_from = borrowed_from;
@@ -105,8 +105,8 @@ static norma_result survey_for_fans(core_prepared_mesh *s) {
     face_survey survey = {.prepared = s};
     int any_flat = 0;
     norma_result result = norma_core_watch_for_flat(s);
-    if (result == NORMA_OK) result = survey_faces(&survey, &any_flat);
-    return result == NORMA_OK && any_flat ? norma_core_borrow_directions(s) : result;
+    if (!result) result = survey_faces(&survey, &any_flat);
+    return !result && any_flat ? norma_core_borrow_directions(s) : result;
 }
 
 /* Faces without corners: who adds to sums of positions never meets them. */
@@ -135,25 +135,25 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     prepared->crease = norma_core_crease_at(crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &prepared->mesh);
-    if (result == NORMA_OK) result = norma_core_mark_reflex(call, &prepared->mesh);
-    if (result == NORMA_OK && use != CORE_FOR_SUMS) {
+    if (!result) result = norma_core_mark_reflex(call, &prepared->mesh);
+    if (!result && use != CORE_FOR_SUMS) {
         norma_core_stage(call, 0.2, 0.35);
         result = norma_core_corners_of_position_build(call, &prepared->mesh, &prepared->corners_of);
     }
-    if (result == NORMA_OK && norma_core_face_starts(&prepared->mesh)) {
+    if (!result && norma_core_face_starts(&prepared->mesh)) {
         norma_core_stage(call, 0.35, 0.5);
         result = measure_polygons(prepared, use);
     }
-    if (result != NORMA_OK) norma_core_prepared_mesh_close(prepared);
+    if (result) norma_core_prepared_mesh_close(prepared);
     return result;
 }
 
 norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
     const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked) {
     norma_result result = norma_core_begin(call, options);
-    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, checked);
-    if (result == NORMA_OK) norma_core_share(call, checked->corner_count);
+    if (!result) result = norma_core_check_crease(crease_angle_rad, NULL);
+    if (!result) result = norma_core_mesh_shape(mesh, checked);
+    if (!result) norma_core_share(call, checked->corner_count);
     return result;
 }
 
@@ -161,9 +161,9 @@ norma_result norma_core_prepare_fans(
     core_call *call, core_mesh *checked, float crease_angle_rad, core_prepared_mesh *prepared) {
     norma_core_stage(call, 0, 0.05);
     const norma_result result = norma_core_mesh_content(call, checked);
-    return result == NORMA_OK ? norma_core_prepared_mesh_open(call, checked, CORE_FOR_FANS,
-                                    (double)crease_angle_rad, prepared)
-                              : result;
+    return !result ? norma_core_prepared_mesh_open(
+                         call, checked, CORE_FOR_FANS, (double)crease_angle_rad, prepared)
+                   : result;
 }
 
 void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
@@ -197,9 +197,8 @@ norma_result norma_find_fault(const norma_mesh *mesh, const float *crease_angle_
     core_mesh checked;
     norma_core_refuse(fault, NORMA_OK, NULL, SIZE_MAX, NULL);
     norma_result result = norma_core_check_options(options, fault);
-    if (result == NORMA_OK && crease_angle_rad)
-        result = norma_core_check_crease(*crease_angle_rad, fault);
-    if (result == NORMA_OK) result = norma_core_check_shape(mesh, &checked, fault);
-    if (result == NORMA_OK) result = norma_core_check_face_starts(&checked, fault);
-    return result == NORMA_OK ? find_wrong_corner(&checked, fault) : result;
+    if (!result && crease_angle_rad) result = norma_core_check_crease(*crease_angle_rad, fault);
+    if (!result) result = norma_core_check_shape(mesh, &checked, fault);
+    if (!result) result = norma_core_check_face_starts(&checked, fault);
+    return !result ? find_wrong_corner(&checked, fault) : result;
 }

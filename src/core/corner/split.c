@@ -175,9 +175,8 @@ static norma_result count_vertices(const split_work *work, size_t *count) {
     work->before[0] = 0;
     const norma_result result = norma_core_parallel(
         work->prepared->call, blocks_of(work), count_block, (void *)(uintptr_t)work);
-    for (size_t i = 0; i < counts && result == NORMA_OK; ++i)
-        work->before[i + 1] += work->before[i];
-    *count = result == NORMA_OK ? work->before[counts] : 0;
+    for (size_t i = 0; i < counts && !result; ++i) work->before[i + 1] += work->before[i];
+    *count = !result ? work->before[counts] : 0;
     return result;
 }
 
@@ -242,8 +241,7 @@ static norma_result write_numbers(split_work *work) {
     norma_result result = norma_core_parallel(call, blocks, write_vertices, work);
     release_normals(work);
     norma_core_stage(call, 0.78, 0.8);
-    if (result == NORMA_OK && work->numbers)
-        result = norma_core_parallel(call, blocks, number_block, work);
+    if (!result && work->numbers) result = norma_core_parallel(call, blocks, number_block, work);
     return result;
 }
 
@@ -323,14 +321,14 @@ static norma_result write_split(split_work *work, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
     stars_part ignored;
     norma_result result = lacking ? NORMA_OK : thin_out(work);
-    if (result == NORMA_OK) result = allocate_numbers(work, lacking);
-    if (result == NORMA_OK) result = write_numbers(work);
-    if (result != NORMA_OK || !(work->numbers || work->output.normals)) return result;
+    if (!result) result = allocate_numbers(work, lacking);
+    if (!result) result = write_numbers(work);
+    if (result || !(work->numbers || work->output.normals)) return result;
     const position_visit visit = {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(prepared->call, 0.8, 0.97);
     result = norma_core_visit_positions(prepared, &visit, &ignored);
-    return result == NORMA_OK && lacking ? fill_vertices(work) : result;
+    return !result && lacking ? fill_vertices(work) : result;
 }
 
 static norma_result check_split_room(
@@ -364,14 +362,14 @@ static norma_result split_and_report(
     size_t count;
     norma_result result = find_firsts(work, report, &sum);
     norma_core_stage(call, 0.75, 0.76);
-    if (result == NORMA_OK) result = count_vertices(work, &count);
-    if (result == NORMA_OK) result = check_split_room(prepared, out, count);
-    if (result != NORMA_OK) return result;
+    if (!result) result = count_vertices(work, &count);
+    if (!result) result = check_split_room(prepared, out, count);
+    if (result) return result;
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
     if (out->corners || out->source_vertices || out->normals)
         result = write_split(work, lacking && work->normals && work->output.nearest);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
     if (out->vertex_count) *out->vertex_count = count;
@@ -413,8 +411,8 @@ static norma_result split_prepared(
     split_work work = {
         .prepared = prepared, .numbers = out->corners, .source_vertices = out->source_vertices};
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
-    if (result == NORMA_OK) result = allocate_work(prepared->call, &work, out->normals != NULL);
-    if (result == NORMA_OK) result = split_and_report(prepared, &work, out, report);
+    if (!result) result = allocate_work(prepared->call, &work, out->normals != NULL);
+    if (!result) result = split_and_report(prepared, &work, out, report);
     release_work(prepared->call, &work);
     return result;
 }
@@ -438,13 +436,12 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     core_prepared_mesh prepared;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
-    if (result == NORMA_OK && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
-        result = NORMA_ERROR_CAPACITY;
-    if (result != NORMA_OK) return result;
+    if (!result && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
+    if (!result && corners && checked.corner_count > corner_capacity) result = NORMA_ERROR_CAPACITY;
+    if (result) return result;
     norma_core_gather(&call);
     result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
-    if (result == NORMA_OK) {
+    if (!result) {
         result = norma_core_finish(&call, split_prepared(&prepared, &out, report));
         norma_core_prepared_mesh_close(&prepared);
     }

@@ -92,11 +92,11 @@ norma_result norma_core_kept_allocate(
     norma_result result = NORMA_OK;
     if (!(*kept = norma_core_allocate(call, count, sizeof **kept))) return NORMA_ERROR_MEMORY;
     memset(*kept, 0, count * sizeof **kept);
-    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < count && !result; ++i) {
         atomic_init(&(*kept)[i].taken, 0);
         result = allocate_kept(call, room, &(*kept)[i]);
     }
-    if (result == NORMA_OK) return NORMA_OK;
+    if (!result) return NORMA_OK;
     norma_core_kept_release(prepared, count, *kept);
     *kept = NULL;
     return result;

@@ -132,8 +132,7 @@ static void join_run(const large_visit *l, const edge_run *run, core_star *star)
 static norma_result join_large_run(const large_visit *l, const edge_run *run) {
     core_star star;
     const size_t count = run_length(run);
-    if (norma_core_star_allocate(l->prepared->call, &star, count) != NORMA_OK)
-        return NORMA_ERROR_MEMORY;
+    if (norma_core_star_allocate(l->prepared->call, &star, count)) return NORMA_ERROR_MEMORY;
     norma_core_star_begin(l->prepared, l->star->position, &star);
     join_run(l, run, &star);
     norma_core_star_release(l->prepared->call, &star, count);
@@ -150,7 +149,7 @@ static norma_result join_edges(const large_visit *l) {
             some = (edge_run){{run.begin[0], run.begin[1]}, {run.begin[0], run.begin[1]}};
         }
         if (run_length(&run) > STAR_ROOM) {
-            if (join_large_run(l, &run) != NORMA_OK) return NORMA_ERROR_MEMORY;
+            if (join_large_run(l, &run)) return NORMA_ERROR_MEMORY;
             memcpy(some.begin, run.end, sizeof some.begin);
         }
         memcpy(some.end, run.end, sizeof some.end);
@@ -229,13 +228,13 @@ static norma_result core_visit_large_star(const core_prepared_mesh *prepared,
     norma_core_star_in_room(&star, &room);
     norma_core_star_begin(prepared, position, &star);
     norma_result result = list_corners(&l);
-    if (result == NORMA_OK && star.waits) ++part->waiting;
-    if (result != NORMA_OK || star.waits) return result;
+    if (!result && star.waits) ++part->waiting;
+    if (result || star.waits) return result;
     norma_core_count_add(&part->tally.degenerate, &star.degenerate);
     norma_core_sort_numbers(large->out, l.listed[0]);
     norma_core_sort_numbers(large->back, l.listed[1]);
     result = join_edges(&l);
-    return result == NORMA_OK ? see_fans(&l) : result;
+    return !result ? see_fans(&l) : result;
 }
 
 /* ---- positions in chunks of fixed size, so that partial counts do not depend on the threads.
@@ -433,13 +432,13 @@ static norma_result visit_large_stars(const visit_all *v, stars_part *part) {
     if (most <= STAR_ROOM) return NORMA_OK;
     norma_result result = by_fan ? core_large_star_allocate(call, &large, most)
                                  : norma_core_star_allocate(call, &star, most);
-    for (size_t p = 0; p < v->prepared->mesh.positions.count && result == NORMA_OK; ++p) {
+    for (size_t p = 0; p < v->prepared->mesh.positions.count && !result; ++p) {
         if (starts[p + 1] - starts[p] <= STAR_ROOM || !star_size(v, p)) continue;
         if (by_fan)
             result = core_visit_large_star(v->prepared, v->visit, (uint32_t)p, &large, part);
         else
             visit_position(v, (uint32_t)p, &star, part);
-        if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
+        if (!result && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
     }
     norma_core_star_release(call, &star, most);
     core_large_star_release(call, &large);
@@ -466,9 +465,9 @@ static norma_result visit_in_parallel(visit_all *v, stars_part *sum) {
     norma_result result = go_in_batches(v)
                               ? norma_core_kept_allocate(v->prepared, v->kept_count, &v->kept)
                               : NORMA_OK;
-    if (result == NORMA_OK) result = norma_core_parallel(call, chunks, visit_chunk, v);
+    if (!result) result = norma_core_parallel(call, chunks, visit_chunk, v);
     norma_core_kept_release(v->prepared, v->kept_count, v->kept);
-    if (result == NORMA_OK) result = visit_large_stars(v, sum);
+    if (!result) result = visit_large_stars(v, sum);
     for (size_t i = 0; i < chunks; ++i) add_part(sum, &v->parts[i]);
     norma_core_release(call, v->parts, chunks, sizeof *v->parts);
     return result;
@@ -483,9 +482,9 @@ norma_result norma_core_visit_positions(
     if (!prepared->mesh.positions.count) return NORMA_OK;
     norma_result result =
         visit->join == CORE_JOIN_FANS ? norma_core_watch_for_flat(prepared) : NORMA_OK;
-    if (result == NORMA_OK) result = visit_in_parallel(&v, sum);
-    if (result != NORMA_OK || !sum->waiting) return result;
+    if (!result) result = visit_in_parallel(&v, sum);
+    if (result || !sum->waiting) return result;
     result = norma_core_borrow_directions(prepared);
     v.only = prepared->flat_at;
-    return result == NORMA_OK ? visit_in_parallel(&v, sum) : result;
+    return !result ? visit_in_parallel(&v, sum) : result;
 }

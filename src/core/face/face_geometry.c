@@ -449,15 +449,15 @@ static norma_result compute_faces(
     norma_core_stage(call, 0.1, 0.3);
     norma_result result = norma_core_welds_near(call) ? norma_core_weld(call, mesh) : NORMA_OK;
     norma_core_stage(call, 0.3, 0.95);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_write_chunks(
             call, mesh->face_count, FACES_IN_CHUNK, write_face_normals, &work, &tally);
     const size_t without = tally.degenerate.count + tally.non_finite.count;
-    if (result == NORMA_OK && output->nearest && without)
+    if (!result && output->nearest && without)
         result = norma_core_fill_nearest(call, &faces, output, without);
     if (mesh->weld) norma_core_unweld(call, mesh);
     result = norma_core_finish(call, result);
-    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    if (!result) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
 }
 
@@ -467,11 +467,11 @@ norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *opt
     core_mesh checked;
     core_output output;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
-    if (result == NORMA_OK)
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (!result) norma_core_share(&call, checked.corner_count);
+    if (!result)
         result = norma_core_output_open(&call, normals, checked.face_count, capacity, &output);
     norma_core_stage(&call, 0, 0.1);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    return result == NORMA_OK ? compute_faces(&call, &checked, &output, report) : result;
+    if (!result) result = norma_core_mesh_content(&call, &checked);
+    return !result ? compute_faces(&call, &checked, &output, report) : result;
 }

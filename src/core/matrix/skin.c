@@ -127,8 +127,8 @@ static norma_result check_matrices(const norma_skin *s, norma_fault *fault) {
 
 static norma_result check_skin(const norma_skin *skin, norma_isa isa, norma_fault *fault) {
     norma_result result = check_sizes(skin, fault);
-    if (result == NORMA_OK && skin->vertex_count) result = check_influences(skin, isa, fault);
-    if (result == NORMA_OK && skin->vertex_count) result = check_matrices(skin, fault);
+    if (!result && skin->vertex_count) result = check_influences(skin, isa, fault);
+    if (!result && skin->vertex_count) result = check_matrices(skin, fault);
     return result;
 }
 
@@ -136,7 +136,7 @@ norma_result norma_find_skin_fault(
     const norma_skin *skin, const norma_options *options, norma_fault *fault) {
     norma_core_refuse(fault, NORMA_OK, NULL, SIZE_MAX, NULL);
     const norma_result result = norma_core_check_options(options, fault);
-    return result == NORMA_OK ? check_skin(skin, NORMA_ISA_BEST, fault) : result;
+    return !result ? check_skin(skin, NORMA_ISA_BEST, fault) : result;
 }
 
 /* ---- joints, and tasks */
@@ -164,14 +164,14 @@ static size_t chunk_count(const skin_stream *s) {
 static norma_result open_skin_stream(skin_stream *s, const norma_options *options,
     const norma_vec3_view *in, float *out, size_t capacity) {
     norma_result result = norma_core_begin(&s->call, options);
-    if (result == NORMA_OK) result = check_skin(s->skin, s->call.options.isa, NULL);
-    if (result == NORMA_OK && s->call.options.fallback == NORMA_FALLBACK_NEAREST)
+    if (!result) result = check_skin(s->skin, s->call.options.isa, NULL);
+    if (!result && s->call.options.fallback == NORMA_FALLBACK_NEAREST)
         result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK) result = norma_input_check(in);
-    if (result == NORMA_OK && in->count < s->skin->vertex_count) result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK)
+    if (!result) result = norma_input_check(in);
+    if (!result && in->count < s->skin->vertex_count) result = NORMA_ERROR_ARGUMENT;
+    if (!result)
         result = norma_core_output_open(&s->call, out, s->skin->vertex_count, capacity, &s->out);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     s->in = *in;
     s->joints = s->skin->joints;
     s->joint_size = s->skin->joint_size ? s->skin->joint_size : sizeof(uint16_t);
@@ -204,7 +204,7 @@ norma_result norma_skin_positions(const norma_skin *skin, norma_vec3_view in,
     const norma_options *options, float *out, size_t capacity) {
     skin_stream s = {.skin = skin};
     const norma_result result = open_skin_stream(&s, options, &in, out, capacity);
-    return result != NORMA_OK || !skin->vertex_count ? result : run_stream(&s);
+    return result || !skin->vertex_count ? result : run_stream(&s);
 }
 
 norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
@@ -212,7 +212,7 @@ norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
     skin_stream s = {.skin = skin};
     core_tally sum = {.non_finite = {0, 0}};
     norma_result result = open_skin_stream(&s, options, &in, out, capacity);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (skin->vertex_count) {
         s.tallies = norma_core_allocate(&s.call, chunk_count(&s), sizeof *s.tallies);
         if (!s.tallies) return NORMA_ERROR_MEMORY;
@@ -221,7 +221,7 @@ norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
         for (size_t i = 0; i < chunk_count(&s); ++i) norma_core_tally_add(&sum, &s.tallies[i]);
         norma_core_release(&s.call, s.tallies, chunk_count(&s), sizeof *s.tallies);
     }
-    if (result == NORMA_OK) norma_core_write_report(report, &sum, NULL, NULL);
+    if (!result) norma_core_write_report(report, &sum, NULL, NULL);
     return result;
 }
 
@@ -229,7 +229,7 @@ norma_result norma_skin_tangents(const norma_skin *skin, const float *in,
     norma_vec3_view skinned_normals, const norma_options *options, float *out, size_t capacity) {
     skin_stream s = {.skin = skin, .tangents = in};
     norma_result result = open_skin_stream(&s, options, &skinned_normals, out, capacity);
-    if (result != NORMA_OK || !skin->vertex_count) return result;
+    if (result || !skin->vertex_count) return result;
     if (options && options->normal_stride && options->normal_stride < TANGENT_BYTES)
         return NORMA_ERROR_ARGUMENT;
     if (!in) return NORMA_ERROR_ARGUMENT;

@@ -161,8 +161,8 @@ static norma_result place_corners_by_position(
     part_work w = {.mesh = mesh, .corners_of = corners_of};
     choose_parts(call, &w);
     norma_result result = run_step(call, &w, from, half, w.parts, count_part);
-    if (result == NORMA_OK) result = run_step(call, &w, half, half, w.ranges, add_up_range);
-    if (result == NORMA_OK) result = run_step(call, &w, half, to, w.ranges, place_range);
+    if (!result) result = run_step(call, &w, half, half, w.ranges, add_up_range);
+    if (!result) result = run_step(call, &w, half, to, w.ranges, place_range);
     corners_of->starts[0] = 0;
     for (size_t range = 0; range < w.ranges; ++range)
         if (w.most[range] > corners_of->most) corners_of->most = w.most[range];
@@ -184,8 +184,8 @@ norma_result norma_core_corners_of_position_build(
     if (corners_of->starts && corners_of->corners &&
         (!norma_core_face_starts(mesh) || corners_of->faces))
         result = place_corners_by_position(call, mesh, corners_of);
-    if (result == NORMA_OK && norma_core_face_starts(mesh)) name_faces(mesh, corners_of);
-    if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
+    if (!result && norma_core_face_starts(mesh)) name_faces(mesh, corners_of);
+    if (result) norma_core_corners_of_position_release(call, corners_of);
     return result;
 }
 

@@ -40,12 +40,12 @@ norma_result norma_core_check_shape(
     const norma_mesh *mesh, core_mesh *checked, norma_fault *fault) {
     if (!mesh) return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh", SIZE_MAX, "not NULL");
     norma_result result = check_positions(&mesh->positions, fault);
-    if (result == NORMA_OK && mesh->corner_size != 0 && mesh->corner_size != 1 &&
-        mesh->corner_size != 2 && mesh->corner_size != 4)
+    if (!result && mesh->corner_size != 0 && mesh->corner_size != 1 && mesh->corner_size != 2 &&
+        mesh->corner_size != 4)
         result = norma_core_refuse(
             fault, NORMA_ERROR_ARGUMENT, "mesh->corner_size", SIZE_MAX, "4 (or 0), 2 or 1 bytes");
-    if (result == NORMA_OK) result = check_corner_count(mesh, fault);
-    if (result != NORMA_OK) return result;
+    if (!result) result = check_corner_count(mesh, fault);
+    if (result) return result;
     *checked = (core_mesh){
         .positions = mesh->positions,
         .corners = mesh->corners,
@@ -191,7 +191,7 @@ static norma_result check_corners(core_call *call, const core_mesh *mesh, core_r
     const norma_result result = norma_core_parallel(call,
         mesh->face_count / FACES_IN_TASK + (mesh->face_count % FACES_IN_TASK != 0), check_task,
         &check);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     return atomic_load_explicit(&check.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }
 
@@ -223,10 +223,10 @@ norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) {
 norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges) {
     const norma_result starts =
         norma_core_face_starts(mesh) ? norma_core_check_face_starts(mesh, NULL) : NORMA_OK;
-    if (starts != NORMA_OK) return starts;
+    if (starts) return starts;
     if (norma_core_face_starts(mesh) && all_are_triangles(mesh)) mesh->face_starts = NULL;
     const norma_result result = check_corners(call, mesh, ranges);
-    if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE)
+    if (!result && mesh->positions.format == NORMA_FORMAT_DOUBLE)
         mesh->scale = norma_core_scale_for(norma_core_largest_coordinate(mesh));
     return result;
 }

@@ -221,7 +221,7 @@ norma_result norma_core_nearest_plant(core_nearest *nearest, size_t queries) {
     if (queries <= FEW_QUERIES || !nearest->site_count) return NORMA_OK;
     const norma_result result = norma_core_kdtree_build(nearest->call, nearest->mesh,
         nearest->first_at, nearest->sites, nearest->site_count, &nearest->tree);
-    nearest->planted = result == NORMA_OK;
+    nearest->planted = !result;
     return result;
 }
 
@@ -297,14 +297,14 @@ norma_result norma_core_fill_nearest(
     core_call *call, const core_elements *of, const core_output *output, size_t queries) {
     core_nearest nearest;
     norma_result result = norma_core_nearest_begin(call, of->mesh, &nearest);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     for (size_t i = 0; i < of->count; ++i) {
         float normal[3];
         if (of->normal(of->context, i, normal) == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, position_of_element(of, i), (uint32_t)i);
     }
     result = norma_core_nearest_plant(&nearest, queries);
-    if (result == NORMA_OK) write_nearest(of, output, &nearest);
+    if (!result) write_nearest(of, output, &nearest);
     norma_core_nearest_end(&nearest);
     return result;
 }

@@ -217,18 +217,18 @@ static size_t weld_in_one(const weld_keys *keys, uint32_t *table, uint32_t *weld
 /* With memory for all of it. */
 static norma_result run_welding(core_call *call, welding *w, size_t *found) {
     norma_result result = norma_core_parallel(call, w->slices, count_slice, w);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const size_t most = place_buckets(w);
     result = norma_core_parallel(call, w->slices, deal_slice, w);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     w->table_size = (size_t)1 << table_bits(most);
     w->groups = most > LARGE_BUCKET || buckets_of(w) < w->slices ? 1 : w->slices;
     w->tables = norma_core_allocate(call, w->groups * w->table_size, sizeof *w->tables);
     if (!w->tables) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(call, w->groups, weld_group, w);
-    if (result == NORMA_OK) result = norma_core_parallel(call, w->slices, follow_slice, w);
-    for (size_t i = 0; i < w->groups && result == NORMA_OK; ++i) *found += w->found[i];
-    for (size_t i = 0; i < w->slices && result == NORMA_OK; ++i) *found += w->near[i];
+    if (!result) result = norma_core_parallel(call, w->slices, follow_slice, w);
+    for (size_t i = 0; i < w->groups && !result; ++i) *found += w->found[i];
+    for (size_t i = 0; i < w->slices && !result; ++i) *found += w->near[i];
     norma_core_release(call, w->tables, w->groups * w->table_size, sizeof *w->tables);
     return result;
 }
@@ -385,7 +385,7 @@ static norma_result join_sites(core_call *call, const core_mesh *mesh, double di
     uint32_t *weld, uint32_t *sites, size_t count) {
     joiner j = {.call = call, .weld = weld, .squared_step = distance * distance};
     norma_result result = norma_core_kdtree_build(call, mesh, NULL, sites, count, &j.tree);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     j.whole = norma_core_allocate(call, j.tree.box_count, 1);
     if (j.whole) {
         memset(j.whole, 0, j.tree.box_count);
@@ -409,7 +409,7 @@ static norma_result core_weld_near(
     const norma_result result =
         count ? join_sites(call, mesh, distance, weld, sites, count) : NORMA_OK;
     norma_core_release(call, sites, mesh->positions.count, sizeof *sites);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     for (size_t i = 0; i < mesh->positions.count; ++i) weld[i] = weld[weld[i]];
     return NORMA_OK;
 }
@@ -492,9 +492,9 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh) {
     const weld_keys keys = {mesh->positions.count, mesh, hash_positions, same_position};
     norma_result result = norma_core_weld_keys(call, &keys, weld, &found);
     const int by_distance = norma_core_welds_near(call) && call->options.weld_distance > 0;
-    if (result == NORMA_OK && by_distance)
+    if (!result && by_distance)
         result = core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
-    if (result == NORMA_OK && (found || by_distance))
+    if (!result && (found || by_distance))
         mesh->weld =
             weld; /* a map of each to itself would only cost a look into it for each corner */
     else

@@ -124,9 +124,9 @@ static norma_result normals_at(
 static norma_result prepare_base(morph *m) {
     const norma_options options = plan_options(m, NULL);
     norma_result result = norma_core_weld(m->call, &m->mesh);
-    if (result == NORMA_OK && !take_room(m)) result = NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) result = group(m);
-    if (result != NORMA_OK) return result;
+    if (!result && !take_room(m)) result = NORMA_ERROR_MEMORY;
+    if (!result) result = group(m);
+    if (result) return result;
     for (size_t g = 0; g < m->group_count; ++g)
         norma_view_read(&m->mesh.positions, m->first_of[g], m->positions[g]);
     const norma_mesh groups = {
@@ -137,8 +137,7 @@ static norma_result prepare_base(morph *m) {
         .face_count = m->mesh.face_starts ? m->mesh.face_count : 0,
     };
     result = norma_plan_create(&groups, NORMA_PER_VERTEX, (float)NORMA_PI, &options, &m->plan);
-    return result == NORMA_OK ? normals_at(m, &m->mesh.positions, m->base, m->base_reasons)
-                              : result;
+    return !result ? normals_at(m, &m->mesh.positions, m->base, m->base_reasons) : result;
 }
 
 /* ---- deltas */
@@ -176,7 +175,7 @@ static norma_result each_target(morph *m, const norma_vec3_view *targets, size_t
     float smallest, size_t *starts, morph_output *out) {
     for (size_t t = 0; t < count; ++t) {
         const norma_result result = normals_at(m, &targets[t], m->moved, m->reasons);
-        if (result != NORMA_OK) return result;
+        if (result) return result;
         if (starts) starts[t] = out->count;
         add_target_deltas(m, smallest, out);
         if (norma_core_progress(m->call, (double)t / (double)count)) return NORMA_CANCELLED;
@@ -192,10 +191,10 @@ static norma_result fill_deltas(morph *m, const norma_vec3_view *targets, size_t
     norma_result result = prepare_base(m);
     const int must_fit = out->vertices || out->deltas,
               fits = count == 0 || vertices <= capacity / count;
-    if (result == NORMA_OK && must_fit && !fits)
+    if (!result && must_fit && !fits)
         result = each_target(m, targets, count, smallest, NULL, &counted);
-    if (result == NORMA_OK && counted.count > capacity) result = NORMA_ERROR_CAPACITY;
-    return result == NORMA_OK ? each_target(m, targets, count, smallest, starts, out) : result;
+    if (!result && counted.count > capacity) result = NORMA_ERROR_CAPACITY;
+    return !result ? each_target(m, targets, count, smallest, starts, out) : result;
 }
 
 static norma_result check_view(const norma_vec3_view *view, size_t count) {
@@ -212,16 +211,15 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
     morph m = {.call = &call, .normals = base_normals};
     morph_output out = {0, vertices, deltas};
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && (!(smallest >= 0) || !target_starts || (target_count && !targets)))
+    if (!result && (!(smallest >= 0) || !target_starts || (target_count && !targets)))
         result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK) result = norma_core_mesh_shape(base, &m.mesh);
-    if (result == NORMA_OK) norma_core_share(&call, m.mesh.corner_count);
-    if (result == NORMA_OK && base_normals)
-        result = check_view(base_normals, m.mesh.positions.count);
-    for (size_t t = 0; t < target_count && result == NORMA_OK; ++t)
+    if (!result) result = norma_core_mesh_shape(base, &m.mesh);
+    if (!result) norma_core_share(&call, m.mesh.corner_count);
+    if (!result && base_normals) result = check_view(base_normals, m.mesh.positions.count);
+    for (size_t t = 0; t < target_count && !result; ++t)
         result = check_view(&targets[t], m.mesh.positions.count);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &m.mesh);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_mesh_content(&call, &m.mesh);
+    if (result) return result;
     result = fill_deltas(&m, targets, target_count, smallest, target_starts, &out, capacity);
     give_room(&m);
     return result;

@@ -198,10 +198,10 @@ static norma_result list_groups(listing *l) {
         return NORMA_OK;
     }
     norma_result result = for_each_group(l, count_group);
-    if (result == NORMA_OK) result = keep_lists(l);
-    if (result == NORMA_OK) result = for_each_group(l, list_group);
-    if (result == NORMA_OK && plan->of == NORMA_PER_VERTEX) result = list_unreferenced(l);
-    return result == NORMA_OK ? list_targets(plan) : result;
+    if (!result) result = keep_lists(l);
+    if (!result) result = for_each_group(l, list_group);
+    if (!result && plan->of == NORMA_PER_VERTEX) result = list_unreferenced(l);
+    return !result ? list_targets(plan) : result;
 }
 
 /* ---- what updates write */
@@ -252,14 +252,14 @@ static norma_result fill_plan(norma_plan *plan, core_prepared_mesh *prepared) {
     plan_groups groups;
     norma_core_stage(prepared->call, 0.5, 0.8);
     norma_result result = norma_core_plan_groups_open(prepared, plan->of, &groups);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     listing l = {.plan = plan, .groups = &groups};
     result = keep_mesh(plan, &prepared->mesh);
-    if (result == NORMA_OK) result = keep_weld(plan, &prepared->mesh);
-    if (result == NORMA_OK) result = list_corners_of_vertices(plan);
-    if (result == NORMA_OK) result = list_groups(&l);
-    if (result == NORMA_OK) result = keep_shared(plan);
-    if (result == NORMA_OK) result = find_ranges(plan, prepared->call);
+    if (!result) result = keep_weld(plan, &prepared->mesh);
+    if (!result) result = list_corners_of_vertices(plan);
+    if (!result) result = list_groups(&l);
+    if (!result) result = keep_shared(plan);
+    if (!result) result = find_ranges(plan, prepared->call);
     norma_core_plan_groups_close(&groups);
     return result;
 }
@@ -272,17 +272,17 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     if (!plan || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)) return NORMA_ERROR_ARGUMENT;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_plan *made = NULL;
     norma_core_gather(&call);
     result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
-    if (result == NORMA_OK) {
+    if (!result) {
         made = new_plan(&prepared, of);
         result = norma_core_finish(&call, made ? fill_plan(made, &prepared) : NORMA_ERROR_MEMORY);
         norma_core_prepared_mesh_close(&prepared);
     }
     norma_core_dismiss(&call);
-    if (result == NORMA_OK)
+    if (!result)
         *plan = made;
     else
         norma_plan_destroy(made);

@@ -53,7 +53,7 @@ static norma_result find_group_fans(
     int any;
     stars_part sum;
     norma_result result = choose_stars(prepared, of, &skip, &any);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (any) {
         *lead = norma_core_allocate(prepared->call, count, sizeof **lead);
         const position_visit visit = {.join = CORE_JOIN_FANS,
@@ -64,7 +64,7 @@ static norma_result find_group_fans(
             .target = *lead,
             .target_size = sizeof **lead};
         result = *lead ? norma_core_visit_positions(prepared, &visit, &sum) : NORMA_ERROR_MEMORY;
-        if (result == NORMA_OK && prepared->call->options.edges)
+        if (!result && prepared->call->options.edges)
             *prepared->call->options.edges = sum.counts.edges;
     }
     norma_core_release(prepared->call, skip, prepared->mesh.positions.count, 1);
@@ -98,7 +98,7 @@ norma_result norma_core_plan_groups_open(
     if (!groups->by_fan || !groups->by_vertex || !groups->merged || !groups->sets ||
         !groups->members || !groups->vertices)
         result = NORMA_ERROR_MEMORY;
-    if (result != NORMA_OK) norma_core_plan_groups_close(groups);
+    if (result) norma_core_plan_groups_close(groups);
     return result;
 }
 

@@ -443,9 +443,9 @@ norma_result norma_core_plan_sum_row(const plan_work *work, plan_some some) {
     if (!some.bits)
         result =
             norma_core_sum_bins(&voting, plan->shared->sums, write_sums, &w, work->tally, &taken);
-    if (result == NORMA_OK && !taken) {
+    if (!result && !taken) {
         result = norma_core_sum_all(&voting, plan->shared->sums, work->tally);
-        if (result == NORMA_OK) result = run_tasks(&w, write_range);
+        if (!result) result = run_tasks(&w, write_range);
     }
-    return result == NORMA_OK && plan->apart ? run_tasks(&apart, sum_some) : result;
+    return !result && plan->apart ? run_tasks(&apart, sum_some) : result;
 }

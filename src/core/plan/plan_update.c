@@ -168,7 +168,7 @@ static norma_result update_by_own_marks(const plan_work *work) {
     plan_marks m = {.work = work, .groups = groups, .group_count = MARKS, .face_count = MARKS};
     if (plan->corner_faces) m.faces = bits;
     norma_result result = NORMA_OK;
-    for (; m.first_group < plan->group_count && result == NORMA_OK; m.first_group += MARKS) {
+    for (; m.first_group < plan->group_count && !result; m.first_group += MARKS) {
         m.group_span = NOTHING;
         m.marked = 0;
         for (m.first_face = 0; m.first_face < faces; m.first_face += MARKS) {
@@ -241,7 +241,7 @@ static norma_result look_up_nearest(const plan_work *work, const plan_scratch *s
     core_mesh mesh = work->mesh;
     mesh.weld = NULL; /* what was one position may have parted */
     norma_result result = norma_core_nearest_begin(work->call, &mesh, &nearest);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     for (size_t e = 0; e < scratch->count; ++e) {
         if (scratch->reasons[e] == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, vertex_of_element(work->plan, e), (uint32_t)e);
@@ -249,7 +249,7 @@ static norma_result look_up_nearest(const plan_work *work, const plan_scratch *s
             ++wanting;
     }
     result = norma_core_nearest_plant(&nearest, wanting);
-    if (result == NORMA_OK) write_nearest_normal(work, scratch, &nearest);
+    if (!result) write_nearest_normal(work, scratch, &nearest);
     norma_core_nearest_end(&nearest);
     return result;
 }
@@ -260,8 +260,8 @@ static norma_result fill_plan_from_nearest(const plan_work *work) {
     scratch.normals = norma_core_allocate(work->call, scratch.count, 3 * sizeof *scratch.normals);
     scratch.reasons = norma_core_allocate(work->call, scratch.count, 1);
     norma_result result = scratch.normals && scratch.reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) result = update_scratch(work, &scratch);
-    if (result == NORMA_OK) result = look_up_nearest(work, &scratch);
+    if (!result) result = update_scratch(work, &scratch);
+    if (!result) result = look_up_nearest(work, &scratch);
     norma_core_release(work->call, scratch.normals, scratch.count, 3 * sizeof *scratch.normals);
     norma_core_release(work->call, scratch.reasons, scratch.count, 1);
     return result;
@@ -286,8 +286,8 @@ static norma_result open_plan_work(const norma_plan *plan, norma_vec3_view posit
     const norma_mesh points = {.positions = positions};
     core_mesh checked;
     norma_result result = norma_core_mesh_shape(&points, &checked);
-    if (result == NORMA_OK && positions.count != plan->vertex_count) result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK && moved) result = check_moved(plan, &moved, moved_count);
+    if (!result && positions.count != plan->vertex_count) result = NORMA_ERROR_ARGUMENT;
+    if (!result && moved) result = check_moved(plan, &moved, moved_count);
     work->mesh = plan->mesh;
     work->mesh.positions = checked.positions;
     if (positions.format != NORMA_FORMAT_DOUBLE) work->mesh.scale = checked.scale;
@@ -307,18 +307,17 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
     plan_work work = {.output = &output, .tally = &tally};
     if (!plan) return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_output_open(&call, normals, element_count(plan), capacity, &output);
-    if (result == NORMA_OK)
-        result = open_plan_work(plan, positions, moved, moved_count, &call, &work);
-    if (result == NORMA_OK) norma_core_share(&call, plan->mesh.corner_count);
-    if (result != NORMA_OK) return result;
+    if (!result) result = open_plan_work(plan, positions, moved, moved_count, &call, &work);
+    if (!result) norma_core_share(&call, plan->mesh.corner_count);
+    if (result) return result;
     result = update(&work);
     const size_t without =
         tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
-    if (result == NORMA_OK && output.nearest && (work.moved ? moved_count : without))
+    if (!result && output.nearest && (work.moved ? moved_count : without))
         result = fill_plan_from_nearest(&work);
-    if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
-    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    if (!result && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
+    if (!result) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
 }

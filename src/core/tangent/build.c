@@ -79,7 +79,7 @@ static norma_result find_vertices(mesh_build *b, int by_number, int wants_firsts
     }
     const norma_result result = norma_core_index_corners(
         &b->call, streams, b->texcoords ? STREAMS : 2, b->corner_count, &to);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     b->indexed->vertex_count = to.vertex_count;
     if (b->indexed->source_corners)
         memcpy(b->indexed->source_corners, b->firsts, to.vertex_count * sizeof *b->firsts);
@@ -107,13 +107,13 @@ norma_result norma_split_tangents(const norma_mesh *mesh, const norma_attribute 
     float *tangents, norma_indexed *indexed, norma_report *report) {
     mesh_build b = {.mesh = mesh, .normals = normals, .texcoords = texcoords, .indexed = indexed};
     norma_result result = norma_core_begin(&b.call, options);
-    if (result == NORMA_OK) result = norma_core_check_indexed(indexed);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_check_indexed(indexed);
+    if (result) return result;
     const size_t asked = options && options->normal_stride ? options->normal_stride : TANGENT_BYTES;
     core_mesh checked;
     result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK && asked < TANGENT_BYTES) result = NORMA_ERROR_ARGUMENT;
-    if (result != NORMA_OK) return result;
+    if (!result && asked < TANGENT_BYTES) result = NORMA_ERROR_ARGUMENT;
+    if (result) return result;
     b.corner_count = checked.corner_count;
     b.tangents = norma_core_allocate(&b.call, b.corner_count, TANGENT_BYTES);
     if (!b.tangents) return NORMA_ERROR_MEMORY;
@@ -122,13 +122,12 @@ norma_result norma_split_tangents(const norma_mesh *mesh, const norma_attribute 
     per_corner.normal_stride = TANGENT_BYTES;
     result = norma_corner_tangents(
         mesh, normals, texcoords, mode, &per_corner, b.tangents, b.corner_count, report);
-    if (result == NORMA_OK && b.corner_count) {
+    if (!result && b.corner_count) {
         norma_core_share(&b.call, b.corner_count);
         norma_core_stage(&b.call, 1, 1);
         result = find_vertices(&b, 0, tangents != NULL);
-        if (result == NORMA_OK)
-            result = write_firsts(&b, b.tangents, TANGENT_BYTES, tangents, asked);
-    } else if (result == NORMA_OK) {
+        if (!result) result = write_firsts(&b, b.tangents, TANGENT_BYTES, tangents, asked);
+    } else if (!result) {
         indexed->vertex_count = 0;
     }
     release_build(&b);
@@ -172,7 +171,7 @@ static norma_result compute_values(mesh_build *b, float crease_angle_rad, norma_
     options.edges = b->call.options.edges ? &facts->edges : NULL;
     const norma_result result = norma_corner_normals(
         b->mesh, crease_angle_rad, &options, normals, b->corner_count, &facts->report);
-    if (result != NORMA_OK || !b->texcoords) return result;
+    if (result || !b->texcoords) return result;
     options = step_options(b, end, SHARE_OF_TANGENTS, TANGENT_BYTES);
     return norma_corner_tangents(
         b->mesh, b->normals, b->texcoords, mode, &options, b->tangents, b->corner_count, NULL);
@@ -184,7 +183,7 @@ static norma_result write_built(
         built->source_vertices[v] = b->corners ? b->corners[b->firsts[v]] : b->firsts[v];
     const norma_result result =
         write_firsts(b, normals, NORMAL_BYTES, built->normals, built->normal_stride);
-    return result == NORMA_OK
+    return !result
                ? write_firsts(b, b->tangents, TANGENT_BYTES, built->tangents, built->tangent_stride)
                : result;
 }
@@ -193,13 +192,13 @@ static norma_result build(mesh_build *b, float crease_angle_rad, norma_tangent_m
     float *normals, normal_facts *facts, const norma_built *built) {
     const int wants_firsts = built->source_vertices || built->normals || built->tangents;
     norma_result result = compute_values(b, crease_angle_rad, mode, normals, facts);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     b->indexed->vertex_count = 0;
     if (!b->corner_count) return NORMA_OK;
     norma_core_share(&b->call, b->corner_count);
     norma_core_stage(&b->call, SHARE_OF_TANGENTS / 100.0, 1);
     result = find_vertices(b, 1, wants_firsts);
-    return result == NORMA_OK ? write_built(b, normals, built) : result;
+    return !result ? write_built(b, normals, built) : result;
 }
 
 static norma_result check_built(const norma_built *built, const norma_attribute *texcoords) {
@@ -218,9 +217,9 @@ norma_result norma_build(const norma_mesh *mesh, const norma_attribute *texcoord
     normal_facts facts = {.reasons = NULL};
     core_mesh checked;
     norma_result result = norma_core_begin(&b.call, options);
-    if (result == NORMA_OK) result = check_built(built, texcoords);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result != NORMA_OK) return result;
+    if (!result) result = check_built(built, texcoords);
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (result) return result;
     const size_t count = b.corner_count = checked.corner_count;
     const norma_options *asked = &b.call.options;
     b.indexed = &built->indexed;
@@ -232,7 +231,7 @@ norma_result norma_build(const norma_mesh *mesh, const norma_attribute *texcoord
     result = values && (!texcoords || b.tangents) && (!asked->reasons || facts.reasons)
                  ? build(&b, crease_angle_rad, mode, values, &facts, built)
                  : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         if (report) *report = facts.report;
         if (asked->edges) *asked->edges = facts.edges;
         if (asked->reasons) memcpy(asked->reasons, facts.reasons, count);

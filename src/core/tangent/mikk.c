@@ -98,7 +98,7 @@ static norma_result core_mikk_flags(mikk_mesh *m) {
     if (mikk_has_records(m)) return NORMA_OK;
     const norma_result result = norma_core_parallel(
         m->call, m->count / TRIANGLES_IN_TASK + (m->count % TRIANGLES_IN_TASK != 0), flag_task, &f);
-    if (result != NORMA_OK || !m->has_quads) return result;
+    if (result || !m->has_quads) return result;
     for (size_t t = 1; t < m->count; ++t)
         if (m->flags[t] & MIKK_SECOND) agree_on_sign(m, t);
     return NORMA_OK;
@@ -438,14 +438,14 @@ static norma_result core_mikk_triangles(mikk_mesh *m) {
     c.starts = starts;
     m->has_quads = norma_core_face_starts(mesh) && most > 3;
     norma_result result = allocate_triangles(m, norma_core_face_starts(mesh) != NULL);
-    if (result == NORMA_OK)
+    if (!result)
         result =
             norma_core_parallel(m->call, tasks, mikk_has_records(m) ? record_task : cut_task, &c);
-    if (result == NORMA_OK && most > 4) result = cut_large_faces(&c, most);
+    if (!result && most > 4) result = cut_large_faces(&c, most);
     norma_core_release(m->call, starts, tasks, sizeof *starts);
     const int degenerate = atomic_load_explicit(&c.degenerate, memory_order_relaxed);
-    if (result == NORMA_OK && degenerate) result = leave_out_degenerate(m);
-    return result == NORMA_OK && m->corners ? hold_corners(m) : result;
+    if (!result && degenerate) result = leave_out_degenerate(m);
+    return !result && m->corners ? hold_corners(m) : result;
 }
 
 /* ---- Triangles without texture area take the sign of the first group that reaches them.
@@ -541,7 +541,7 @@ static norma_result follow_signs(following *f) {
     uint32_t *star = norma_core_allocate(call, 4 * most, sizeof *star);
     norma_result result = norma_core_mikk_table_open(call, most, &f->table);
     if (!f->left || !f->right || !f->grouped || !star) result = NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         f->links = (mikk_links){star, star + most};
         f->next = star + 2 * most;
         f->previous = star + 3 * most;
@@ -594,16 +594,16 @@ static norma_result run_mikk(mikk_mesh *mesh, const tangent_output *output, core
     norma_core_stage(mesh->call, 0.3, 0.4);
     norma_result result = core_mikk_triangles(mesh);
     norma_core_stage(mesh->call, 0.4, 0.5);
-    if (result == NORMA_OK) result = core_mikk_flags(mesh);
-    if (result == NORMA_OK && mesh->input->is_awkward && mikk_hangs_on_others(mesh)) {
+    if (!result) result = core_mikk_flags(mesh);
+    if (!result && mesh->input->is_awkward && mikk_hangs_on_others(mesh)) {
         *mesh->input->is_awkward = 1;
         return NORMA_OK;
     }
     norma_core_stage(mesh->call, 0.5, 0.6);
-    if (result == NORMA_OK) result = sort_mikk_corners(mesh);
-    if (result == NORMA_OK) result = core_mikk_follow(mesh);
+    if (!result) result = sort_mikk_corners(mesh);
+    if (!result) result = core_mikk_follow(mesh);
     norma_core_stage(mesh->call, 0.6, 0.97);
-    return result == NORMA_OK ? norma_core_mikk_stars(mesh, output, tally) : result;
+    return !result ? norma_core_mikk_stars(mesh, output, tally) : result;
 }
 
 static void release_mikk(mikk_mesh *mesh) {

@@ -739,7 +739,7 @@ static norma_result run_large(const star_work *w, core_tally *tally) {
     s.flags = norma_core_allocate(call, s.most, 1);
     norma_result result = norma_core_mikk_table_open(call, s.most, &s.table);
     if (!s.contributions || !s.numbers || !s.spaces || !s.flags) result = NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; ++v)
+    for (size_t v = 0; v < w->mesh->vertex_count && !result; ++v)
         if (mikk_star_count(w->mesh, v) > MIKK_SMALL_STAR) finish_large(w, &s, v, tally);
     norma_core_mikk_table_close(call, s.most, &s.table);
     norma_core_release(call, s.contributions, s.blocks, sizeof *s.contributions);
@@ -759,9 +759,8 @@ norma_result norma_core_mikk_stars(mikk_mesh *m, const tangent_output *output, c
     if (!w.tallies) return NORMA_ERROR_MEMORY;
     memset(w.tallies, 0, tasks * sizeof *w.tallies);
     norma_result result = norma_core_parallel(m->call, tasks, mikk_star_task, &w);
-    if (result == NORMA_OK) result = run_large(&w, tally);
-    for (size_t i = 0; i < tasks && result == NORMA_OK; ++i)
-        norma_core_tally_add(tally, &w.tallies[i]);
+    if (!result) result = run_large(&w, tally);
+    for (size_t i = 0; i < tasks && !result; ++i) norma_core_tally_add(tally, &w.tallies[i]);
     norma_core_release(m->call, w.tallies, tasks, sizeof *w.tallies);
     return result;
 }

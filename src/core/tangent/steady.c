@@ -618,8 +618,7 @@ static norma_result run_stars(
     if (!w.tallies) return NORMA_ERROR_MEMORY;
     memset(w.tallies, 0, tasks * sizeof *w.tallies);
     const norma_result result = norma_core_parallel(m->call, tasks, steady_star_task, &w);
-    for (size_t i = 0; i < tasks && result == NORMA_OK; ++i)
-        norma_core_tally_add(tally, &w.tallies[i]);
+    for (size_t i = 0; i < tasks && !result; ++i) norma_core_tally_add(tally, &w.tallies[i]);
     norma_core_release(m->call, w.tallies, tasks, sizeof *w.tallies);
     return result;
 }
@@ -680,15 +679,15 @@ static int steady_hangs_on_others(const steady_mesh *m) {
 static norma_result run_steady(steady_mesh *m, const tangent_output *output, core_tally *tally) {
     norma_core_stage(m->call, 0.3, 0.5);
     norma_result result = core_steady_faces(m);
-    if (result == NORMA_OK && m->input->is_awkward && steady_hangs_on_others(m)) {
+    if (!result && m->input->is_awkward && steady_hangs_on_others(m)) {
         *m->input->is_awkward = 1;
         return NORMA_OK;
     }
     norma_core_stage(m->call, 0.5, 0.6);
-    if (result == NORMA_OK) result = sort_steady_corners(m->input, m->vertex_of, &m->around);
-    if (result == NORMA_OK) result = adopt(m);
+    if (!result) result = sort_steady_corners(m->input, m->vertex_of, &m->around);
+    if (!result) result = adopt(m);
     norma_core_stage(m->call, 0.6, 0.97);
-    return result == NORMA_OK ? run_stars(m, output, tally) : result;
+    return !result ? run_stars(m, output, tally) : result;
 }
 
 /* By a power of two, so that squares of squares of lengths are held. */

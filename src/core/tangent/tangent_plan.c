@@ -253,7 +253,7 @@ static norma_result compute_region_part(tangent_part *p) {
         .face_count = p->face_count};
     if (!read_keys(p)) return NORMA_ERROR_INDEX;
     const norma_result result = norma_core_tangent_weld(m);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     return p->plan->mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents(m, &output, &tally)
                                                 : norma_core_steady_tangents(m, &output, &tally);
 }
@@ -315,7 +315,7 @@ static norma_result core_tangent_update_part(const norma_tangent_plan *plan,
         list_part_corners(&p, region);
         result = compute_region_part(&p);
     }
-    if (result == NORMA_OK && !*is_awkward) write_wanted(&p, region, output, tally);
+    if (!result && !*is_awkward) write_wanted(&p, region, output, tally);
     close_tangent_part(&p, whole->call);
     return result;
 }
@@ -332,7 +332,7 @@ static norma_result update_all(const norma_tangent_plan *plan, tangent_mesh *m,
     const tangent_output *output, core_tally *tally) {
     norma_core_stage(m->call, 0, 0.3);
     norma_result result = norma_core_tangent_open(m);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_stage(m->call, 0.3, 0.97);
     result = compute_plan_tangents(plan, m, output, tally);
     norma_core_tangent_close(m);
@@ -350,10 +350,10 @@ static norma_result update_region(const norma_tangent_plan *plan, tangent_mesh *
     int all = 1;
     if (hangs_together(plan)) return update_all(plan, m, output, tally);
     norma_result result = core_tangent_region_open(m->call, plan, moved, moved_count, &region);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (!region.is_large) result = core_tangent_update_part(plan, m, &region, output, tally, &all);
     core_tangent_region_close(m->call, plan, &region);
-    return result == NORMA_OK && all ? update_all(plan, m, output, tally) : result;
+    return !result && all ? update_all(plan, m, output, tally) : result;
 }
 
 /* Also of the corners that an update of some vertices does not read. */
@@ -371,17 +371,15 @@ static norma_result open_mesh(const norma_tangent_plan *plan, norma_vec3_view po
     const norma_attribute *normals, const norma_attribute *texcoords, tangent_mesh *m) {
     const norma_mesh points = {.positions = positions};
     norma_result result = norma_core_mesh_shape(&points, &m->mesh);
-    if (result == NORMA_OK && positions.count != plan->mesh.positions.count)
-        result = NORMA_ERROR_ARGUMENT;
-    if (result != NORMA_OK) return result;
+    if (!result && positions.count != plan->mesh.positions.count) result = NORMA_ERROR_ARGUMENT;
+    if (result) return result;
     const norma_vec3_view view = m->mesh.positions;
     m->mesh = plan->mesh;
     m->mesh.positions = view;
     m->by_position = plan->by_position;
     m->key_count = plan->key_count;
     result = norma_core_tangent_attributes(m, plan->mode, normals, texcoords);
-    if (result == NORMA_OK && plan->by_position &&
-        (normals->of != NORMA_PER_VERTEX || normals->corners))
+    if (!result && plan->by_position && (normals->of != NORMA_PER_VERTEX || normals->corners))
         result = NORMA_ERROR_ARGUMENT;
     return result;
 }
@@ -399,17 +397,16 @@ norma_result norma_tangent_plan_update(const norma_tangent_plan *plan, norma_vec
         .count = plan->key_count,
         .of = plan->by_position ? NORMA_PER_VERTEX : NORMA_PER_CORNER};
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) norma_core_share(&call, corners);
-    if (result == NORMA_OK) result = open_mesh(plan, positions, normals, &texcoords, &m);
-    if (result == NORMA_OK)
+    if (!result) norma_core_share(&call, corners);
+    if (!result) result = open_mesh(plan, positions, normals, &texcoords, &m);
+    if (!result)
         result = norma_core_tangent_output_open(options, tangents, corners, capacity, &output);
-    if (result == NORMA_OK && moved)
-        result = check_moved_indices(plan, normals, moved, moved_count);
-    if (result == NORMA_OK && corners)
+    if (!result && moved) result = check_moved_indices(plan, normals, moved, moved_count);
+    if (!result && corners)
         result = moved ? update_region(plan, &m, moved, moved_count, &output, &tally)
                        : update_all(plan, &m, &output, &tally);
     result = norma_core_finish(&call, result);
-    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    if (!result) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
 }
 
@@ -477,15 +474,15 @@ static norma_result keep_plan_texcoords(norma_tangent_plan *plan, const tangent_
     tangent_vertex *places = norma_core_allocate(m->call, count, sizeof *places);
     uint32_t *place = norma_core_allocate(m->call, count, sizeof *place);
     norma_result result = plan->texcoords && places && place ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t key = 0; result == NORMA_OK && key < count; ++key) {
+    for (size_t key = 0; !result && key < count; ++key) {
         places[key] = (tangent_vertex){.position = {0}};
         memcpy(places[key].texcoord, m->vertices[key].texcoord, sizeof places->texcoord);
         memcpy(plan->texcoords[key], m->vertices[key].texcoord, sizeof *plan->texcoords);
     }
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_tangent_weld_vertices(m->call, places, NULL, count, place, &found);
     norma_core_release(m->call, places, count, sizeof *places);
-    if (result == NORMA_OK && found)
+    if (!result && found)
         core_tangent_adopt(plan, plan->place = place, count, sizeof *place);
     else
         norma_core_release(m->call, place, count, sizeof *place);
@@ -515,8 +512,7 @@ static norma_result sort_plan_corners(core_call *call, norma_tangent_plan *plan)
     norma_result result =
         norma_core_corners_of_position_build(call, &positions, &plan->at_position);
     norma_core_stage(call, 0.75, 0.97);
-    if (result == NORMA_OK)
-        result = norma_core_corners_of_position_build(call, &places, &plan->at_place);
+    if (!result) result = norma_core_corners_of_position_build(call, &places, &plan->at_place);
     return result;
 }
 
@@ -524,9 +520,9 @@ static norma_result fill_tangent_plan(norma_tangent_plan *plan, tangent_mesh *m)
     plan->by_position = m->by_position;
     plan->key_count = m->key_count;
     norma_result result = keep_topology(plan, m);
-    if (result == NORMA_OK) result = keep_plan_texcoords(plan, m);
-    if (result == NORMA_OK) result = keep_positions(plan, m);
-    if (result == NORMA_OK) result = sort_plan_corners(m->call, plan);
+    if (!result) result = keep_plan_texcoords(plan, m);
+    if (!result) result = keep_positions(plan, m);
+    if (!result) result = sort_plan_corners(m->call, plan);
     return result;
 }
 
@@ -538,7 +534,7 @@ static norma_result make(tangent_mesh *m, norma_tangent_mode mode, norma_tangent
         *plan = (norma_tangent_plan){.mode = mode, .mesh = m->mesh, .bytes = sizeof *plan};
         plan->memory.options.allocator = m->call->options.allocator;
         norma_core_stage(m->call, 0.3, 0.5);
-        if (m->mesh.corner_count && result == NORMA_OK) result = fill_tangent_plan(plan, m);
+        if (m->mesh.corner_count && !result) result = fill_tangent_plan(plan, m);
         *made = plan;
     }
     norma_core_tangent_close(m);
@@ -552,17 +548,15 @@ norma_result norma_tangent_plan_create(const norma_mesh *mesh, const norma_attri
     tangent_mesh checked = {.call = &call};
     norma_tangent_plan *made = NULL;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK &&
-        (!plan || (mode != NORMA_TANGENTS_STEADY && mode != NORMA_TANGENTS_MIKK)))
+    if (!result && (!plan || (mode != NORMA_TANGENTS_STEADY && mode != NORMA_TANGENTS_MIKK)))
         result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
-    if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
-    if (result == NORMA_OK)
-        result = norma_core_tangent_attributes(&checked, mode, normals, texcoords);
+    if (!result) result = norma_core_mesh_shape(mesh, &checked.mesh);
+    if (!result) norma_core_share(&call, checked.mesh.corner_count);
+    if (!result) result = norma_core_tangent_attributes(&checked, mode, normals, texcoords);
     norma_core_stage(&call, 0, 0.05);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
-    if (result == NORMA_OK) result = make(&checked, mode, &made);
-    if (result == NORMA_OK)
+    if (!result) result = norma_core_mesh_content(&call, &checked.mesh);
+    if (!result) result = make(&checked, mode, &made);
+    if (!result)
         *plan = made;
     else
         norma_tangent_plan_destroy(made);

@@ -31,7 +31,7 @@ norma_result norma_core_tangent_attributes(tangent_mesh *mesh, norma_tangent_mod
     mesh->normals = normals;
     mesh->texcoords = texcoords;
     const norma_result result = check_attribute(normals, 3, &mesh->mesh);
-    return result != NORMA_OK ? result : check_attribute(texcoords, 2, &mesh->mesh);
+    return result ? result : check_attribute(texcoords, 2, &mesh->mesh);
 }
 
 /* A normalised integer as a float: v / most, at least -1. */
@@ -140,7 +140,7 @@ static norma_result read_all_vertices(tangent_mesh *mesh) {
     reading r = {.mesh = mesh};
     const norma_result result = norma_core_parallel(mesh->call,
         mesh->key_count / KEYS_IN_TASK + (mesh->key_count % KEYS_IN_TASK != 0), read_task, &r);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     return atomic_load_explicit(&r.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }
 
@@ -211,7 +211,7 @@ norma_result norma_core_tangent_weld(tangent_mesh *mesh) {
     const norma_result result = norma_core_tangent_weld_vertices(
         mesh->call, mesh->vertices, (const double(*)[3])mesh->exact, count, weld, &found);
     mesh->weld = weld;
-    if (result != NORMA_OK || found) return result;
+    if (result || found) return result;
     norma_core_release(mesh->call, weld, count, sizeof *weld);
     mesh->weld = NULL;
     return NORMA_OK;
@@ -234,8 +234,8 @@ norma_result norma_core_tangent_read(tangent_mesh *mesh) {
 norma_result norma_core_tangent_open(tangent_mesh *mesh) {
     if (!mesh->mesh.corner_count) return NORMA_OK;
     norma_result result = norma_core_tangent_read(mesh);
-    if (result == NORMA_OK) result = norma_core_tangent_weld(mesh);
-    if (result != NORMA_OK) norma_core_tangent_close(mesh);
+    if (!result) result = norma_core_tangent_weld(mesh);
+    if (result) norma_core_tangent_close(mesh);
     return result;
 }
 

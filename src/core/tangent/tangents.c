@@ -7,11 +7,11 @@ static norma_result compute_corner_tangents(
     core_tally tally = {0};
     norma_core_stage(mesh->call, 0.05, 0.3);
     norma_result result = norma_core_tangent_open(mesh);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_stage(mesh->call, 0.3, 0.97);
     result = norma_core_finish(mesh->call, maker(mesh, output, &tally));
     norma_core_tangent_close(mesh);
-    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    if (!result) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
 }
 
@@ -22,20 +22,20 @@ norma_result norma_core_corner_tangents(const norma_mesh *mesh, const norma_attr
     tangent_mesh checked = {.call = &call};
     tangent_output output;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && !maker) result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
-    if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
-    if (result == NORMA_OK)
+    if (!result && !maker) result = NORMA_ERROR_ARGUMENT;
+    if (!result) result = norma_core_mesh_shape(mesh, &checked.mesh);
+    if (!result) norma_core_share(&call, checked.mesh.corner_count);
+    if (!result)
         result = norma_core_tangent_attributes(&checked,
             !CORE_IS_SMALL && maker == norma_core_steady_tangents ? NORMA_TANGENTS_STEADY
                                                                   : NORMA_TANGENTS_MIKK,
             normals, texcoords);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_tangent_output_open(
             options, tangents, checked.mesh.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_mesh_content(&call, &checked.mesh);
+    if (result) return result;
     norma_core_gather(&call);
     result = compute_corner_tangents(&checked, maker, &output, report);
     norma_core_dismiss(&call);

@@ -53,9 +53,9 @@ norma_result norma_closest_points(const norma_mesh *mesh, norma_vec3_view points
     const norma_options *options, norma_closest *found, size_t capacity) {
     closest_points c = {.points = points, .found = found};
     norma_result result = norma_core_begin(&c.call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &c.mesh);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&c.call, &c.mesh);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_mesh_shape(mesh, &c.mesh);
+    if (!result) result = norma_core_mesh_content(&c.call, &c.mesh);
+    if (result) return result;
     if (points.count && (!points.data || !norma_format_size(points.format) || !found))
         return NORMA_ERROR_ARGUMENT;
     if (norma_view_overflows(&points)) return NORMA_ERROR_OVERFLOW;
@@ -64,7 +64,7 @@ norma_result norma_closest_points(const norma_mesh *mesh, norma_vec3_view points
     norma_core_gather(&c.call);
     norma_core_stage(&c.call, 0, 0.5);
     result = norma_core_triangle_tree_build(&c.call, &c.mesh, CORE_TRIANGLES_CUT, &c.tree);
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_core_stage(&c.call, 0.5, 1);
         result = norma_core_parallel(&c.call,
             (points.count + CLOSEST_AT_ONCE - 1) / CLOSEST_AT_ONCE, find_closest_points, &c);

@@ -61,8 +61,8 @@ static norma_result check_surface(core_call *call, const norma_surface *given, c
     c->given = given;
     if (!given) return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_core_mesh_shape(&given->mesh, &c->mesh);
-    if (result == NORMA_OK) result = norma_core_mesh_content(call, &c->mesh);
-    return result == NORMA_OK ? check_normals(c) : result;
+    if (!result) result = norma_core_mesh_content(call, &c->mesh);
+    return !result ? check_normals(c) : result;
 }
 
 /* Both are read in one scale; only doubles have one. */
@@ -420,7 +420,7 @@ static norma_result compare_in_order(comparing *c) {
     const norma_result result =
         norma_core_parallel(&c->call, chunks_of(count), compare_nearest_points, c);
     norma_core_release(&c->call, c->order, count, sizeof *c->order);
-    return result == NORMA_OK && is_endless(c) ? NORMA_ERROR_OVERFLOW : result;
+    return !result && is_endless(c) ? NORMA_ERROR_OVERFLOW : result;
 }
 
 static norma_result compare_nearest(comparing *c) {
@@ -429,12 +429,11 @@ static norma_result compare_nearest(comparing *c) {
     norma_core_stage(&c->call, 0.1, 0.2);
     norma_result result = norma_core_weld(&c->call, other);
     norma_core_stage(&c->call, 0.2, 0.3);
-    if (result == NORMA_OK)
-        result = norma_core_corners_of_position_build(&c->call, other, &c->corners_of);
-    if (result == NORMA_OK) {
+    if (!result) result = norma_core_corners_of_position_build(&c->call, other, &c->corners_of);
+    if (!result) {
         result =
             norma_core_triangle_tree_build(&c->call, &c->base.mesh, CORE_TRIANGLES_CUT, &c->tree);
-        if (result == NORMA_OK) result = compare_in_order(c);
+        if (!result) result = compare_in_order(c);
         norma_core_triangle_tree_release(&c->call, &c->tree);
         norma_core_corners_of_position_release(&c->call, &c->corners_of);
     }
@@ -456,7 +455,7 @@ static norma_result compare_surfaces(comparing *c, int *same_faces) {
         norma_core_parallel(&c->call, chunks_of(faces), measure_compared_faces, c);
     *same_faces = has_same_faces(c);
     norma_core_stage(&c->call, 0.1, 1);
-    if (result == NORMA_OK)
+    if (!result)
         result = *same_faces
                      ? norma_core_parallel(&c->call, chunks_of(faces), compare_same_faces, c)
                      : compare_nearest(c);
@@ -471,14 +470,14 @@ norma_result norma_compare(const norma_surface *base, const norma_surface *other
     int same = 0;
     norma_result result = norma_core_begin(&c.call, options);
     norma_core_stage(&c.call, 0, 0);
-    if (result == NORMA_OK) result = check_surface(&c.call, base, &c.base);
-    if (result == NORMA_OK) result = check_surface(&c.call, other, &c.other);
-    if (result != NORMA_OK) return result;
+    if (!result) result = check_surface(&c.call, base, &c.base);
+    if (!result) result = check_surface(&c.call, other, &c.other);
+    if (result) return result;
     if (c.other.mesh.corner_count && !samples) return NORMA_ERROR_ARGUMENT;
     if (capacity < c.other.mesh.corner_count) return NORMA_ERROR_CAPACITY;
     norma_core_share(&c.call, c.other.mesh.corner_count);
     result = compare_surfaces(&c, &same);
-    if (result == NORMA_OK && same_faces) *same_faces = same;
+    if (!result && same_faces) *same_faces = same;
     return norma_core_finish(&c.call, result);
 }
 
@@ -601,7 +600,7 @@ norma_result norma_compare_summary(const norma_compare_sample *samples, size_t c
     enum { BINS = SAMPLED * (1 + PERCENTILES) * AREA_BINS };
     core_call call;
     const norma_result result = norma_core_begin(&call, options);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (!comparison || (count && !samples) || !(max_angle_rad >= 0)) return NORMA_ERROR_ARGUMENT;
     double *bins = norma_core_allocate(&call, BINS, sizeof *bins);
     if (!bins) return NORMA_ERROR_MEMORY;

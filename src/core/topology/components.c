@@ -86,7 +86,7 @@ static norma_result find_all(search *s) {
     core_components *c = s->out;
     for (size_t face = 0; face < c->face_count; ++face) {
         if (c->of[face] != UINT32_MAX || !face_has_edges(s->topology, face)) continue;
-        if (grow_components(s->topology->call, c) != NORMA_OK) return NORMA_ERROR_MEMORY;
+        if (grow_components(s->topology->call, c)) return NORMA_ERROR_MEMORY;
         const uint32_t number = (uint32_t)c->count;
         core_component component = {.parent = UINT32_MAX};
         size_t next = s->found;
@@ -165,16 +165,16 @@ static norma_result find_components(const core_topology *t, core_joining joining
     norma_result result = c->of && c->faces && c->starts && c->each && (c->reverse || !reverses)
                               ? NORMA_OK
                               : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         search s = {t, c, joining, parts, 0};
         memset(c->of, 0xff, c->face_count * sizeof *c->of);
         if (c->reverse) memset(c->reverse, 0, c->face_count);
         c->starts[0] = 0;
         result = find_all(&s);
     }
-    if (result == NORMA_OK && c->reverse) keep_majority(c);
-    if (result == NORMA_OK) find_unbalanced(t, c);
-    if (result != NORMA_OK) norma_core_release_components(t->call, c);
+    if (!result && c->reverse) keep_majority(c);
+    if (!result) find_unbalanced(t, c);
+    if (result) norma_core_release_components(t->call, c);
     return result;
 }
 
@@ -183,7 +183,7 @@ norma_result norma_core_find_components(
     core_components parts;
     if (joining != CORE_JOIN_BODIES || !has_many(t)) return find_components(t, joining, NULL, c);
     norma_result result = find_components(t, CORE_JOIN_CUT, NULL, &parts);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     result = find_components(t, joining, &parts, c);
     norma_core_release_components(t->call, &parts);
     return result;
@@ -334,8 +334,8 @@ static norma_result measure_large(measuring *m, size_t part) {
     m->sums = norma_core_allocate(call, blocks, sizeof *m->sums);
     if (!m->sums) return NORMA_ERROR_MEMORY;
     const norma_result result = norma_core_parallel(call, blocks, measure_block_of_large, m);
-    for (size_t i = 1; i < blocks && result == NORMA_OK; ++i) add_sum(&m->sums[0], &m->sums[i]);
-    if (result == NORMA_OK) finish_part(&m->components->each[part], &m->sums[0], m->not_closed);
+    for (size_t i = 1; i < blocks && !result; ++i) add_sum(&m->sums[0], &m->sums[i]);
+    if (!result) finish_part(&m->components->each[part], &m->sums[0], m->not_closed);
     norma_core_release(call, m->sums, blocks, sizeof *m->sums);
     return result;
 }
@@ -344,7 +344,7 @@ norma_result norma_core_measure_components(
     const core_topology *topology, core_components *components, uint8_t not_closed) {
     measuring m = {.topology = topology, .components = components, .not_closed = not_closed};
     norma_result result = norma_core_parallel(topology->call, components->count, measure_small, &m);
-    for (size_t i = 0; i < components->count && result == NORMA_OK; ++i)
+    for (size_t i = 0; i < components->count && !result; ++i)
         if (blocks_of_part(components, i) > 1) result = measure_large(&m, i);
     return result;
 }

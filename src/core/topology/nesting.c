@@ -141,15 +141,14 @@ static norma_result core_dipoles_build(const core_topology *t, const uint8_t *re
     d->faces = norma_core_allocate(t->call, count, sizeof *d->faces);
     d->nodes = norma_core_allocate(t->call, norma_core_tree_nodes(count), sizeof *d->nodes);
     norma_result result = items && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; result == NORMA_OK && i < count; ++i) {
+    for (size_t i = 0; !result && i < count; ++i) {
         items[i].number = (uint32_t)i;
         middle_of(&t->mesh, faces[i], items[i].centre);
     }
     dipole_fill fill = {t, reverse, d, faces, items};
-    if (result == NORMA_OK)
-        result = norma_core_tree_grow(t->call, items, count, fill_dipole, &fill);
+    if (!result) result = norma_core_tree_grow(t->call, items, count, fill_dipole, &fill);
     norma_core_release(t->call, items, count, sizeof *items);
-    if (result != NORMA_OK) core_dipoles_release(t->call, d);
+    if (result) core_dipoles_release(t->call, d);
     return result;
 }
 
@@ -405,7 +404,7 @@ static norma_result prepare_dipoles(nesting *n) {
         const size_t faces = c->starts[i + 1] - c->starts[i];
         if (faces < FACES_WORTH_DIPOLES || faces * n->asked[i] < WORK_WORTH_DIPOLES) continue;
         const norma_result result = build_dipoles(n, i);
-        if (result != NORMA_OK) return result;
+        if (result) return result;
     }
     return NORMA_OK;
 }
@@ -416,9 +415,8 @@ static norma_result find_parents(nesting *n) {
         if (is_judged(n, i))
             core_box_tree_stab(&n->tree, c->each[i].low, count_asked, &(ask){n, i, NULL, 0});
     norma_result result = prepare_dipoles(n);
-    if (result == NORMA_OK)
-        result = norma_core_parallel(n->topology->call, c->count, find_parent, n);
-    return result == NORMA_OK ? judge_components(n) : result;
+    if (!result) result = norma_core_parallel(n->topology->call, c->count, find_parent, n);
+    return !result ? judge_components(n) : result;
 }
 
 static void box_of_component(void *context, uint32_t number, size_t place, core_box *box) {
@@ -438,14 +436,14 @@ norma_result norma_core_judge_nesting(
     n.asked = norma_core_allocate(call, count, sizeof *n.asked);
     n.dipoles = norma_core_allocate(call, count, sizeof *n.dipoles);
     norma_result result = n.winding && n.asked && n.dipoles ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         memset(n.winding, 0, count * sizeof *n.winding);
         memset(n.asked, 0, count * sizeof *n.asked);
         memset(n.dipoles, 0, count * sizeof *n.dipoles);
         result =
             norma_core_box_tree_build(topology->call, count, box_of_component, components, &n.tree);
     }
-    if (result == NORMA_OK) result = find_parents(&n);
+    if (!result) result = find_parents(&n);
     for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; ++i)
         core_dipoles_release(call, &n.dipoles[i]);
     norma_core_box_tree_release(call, &n.tree);

@@ -296,7 +296,7 @@ static norma_result core_ray_scene_open(
                                            : NORMA_ERROR_MEMORY;
     for (size_t count = all->tree.count; count > 0; count /= 2)
         all->budget += 2 * RAYS * STEPS_OF_RAY * ((all->tree.count + parts - 1) / parts);
-    if (result == NORMA_OK)
+    if (!result)
         *scene = all;
     else
         core_ray_scene_close(all);
@@ -310,7 +310,7 @@ static norma_result core_ray_scene_vote(
     scene->open_flags = open_flags;
     memset(scene->polls, 0, parts * sizeof *scene->polls);
     const norma_result result = norma_core_parallel(scene->topology->call, parts, poll_part, scene);
-    if (result == NORMA_OK) follow_votes(scene, votes);
+    if (!result) follow_votes(scene, votes);
     return result;
 }
 
@@ -319,7 +319,7 @@ norma_result norma_core_orient_by_rays(const core_topology *topology, core_compo
     core_ray_scene *scene = NULL;
     *votes = (core_ray_votes){.least_confidence = 1};
     norma_result result = core_ray_scene_open(topology, components, &scene);
-    if (result == NORMA_OK) result = core_ray_scene_vote(scene, open_flags, votes);
+    if (!result) result = core_ray_scene_vote(scene, open_flags, votes);
     core_ray_scene_close(scene);
     return result;
 }
@@ -344,12 +344,12 @@ static norma_result find_side_parts(core_side_judge *j) {
     core_topology *t = &j->topology;
     const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
     norma_result result = norma_core_pair_edges(t, &nobody);
-    if (result == NORMA_OK) result = norma_core_find_components(t, CORE_JOIN_CUT, &j->parts);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_find_components(t, CORE_JOIN_CUT, &j->parts);
+    if (result) return result;
     result = norma_core_measure_components(t, &j->parts, PART_NOT_CLOSED);
-    if (result == NORMA_OK) result = norma_core_judge_nesting(t, &j->parts, PART_NOT_CLOSED);
-    if (result == NORMA_OK) result = norma_core_find_components(t, CORE_JOIN_ALIKE, &j->pieces);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_judge_nesting(t, &j->parts, PART_NOT_CLOSED);
+    if (!result) result = norma_core_find_components(t, CORE_JOIN_ALIKE, &j->pieces);
+    if (result) return result;
     turn_inward_parts(&j->parts);
     j->room = j->pieces.count + 1;
     j->known = norma_core_allocate(&j->call, j->room, 1);
@@ -367,13 +367,12 @@ norma_result norma_core_side_judge_open(
     core_mesh checked;
     *judge = (core_side_judge){.room = 0};
     norma_result result = norma_core_begin(&judge->call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&judge->call, &checked);
-    if (result == NORMA_OK)
-        result = norma_core_topology_open(&judge->call, &checked, &judge->topology);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (!result) result = norma_core_mesh_content(&judge->call, &checked);
+    if (!result) result = norma_core_topology_open(&judge->call, &checked, &judge->topology);
+    if (result) return result;
     result = find_side_parts(judge);
-    if (result != NORMA_OK) norma_core_side_judge_close(judge);
+    if (result) norma_core_side_judge_close(judge);
     return result;
 }
 
@@ -424,10 +423,10 @@ static norma_result ask_side_rays(core_side_judge *j) {
     core_components *pieces = &j->pieces;
     core_ray_votes votes;
     norma_result result = j->rays ? NORMA_OK : core_ray_scene_open(&j->topology, pieces, &j->rays);
-    if (result == NORMA_OK) result = core_ray_scene_vote(j->rays, COMPONENT_OPEN, &votes);
+    if (!result) result = core_ray_scene_vote(j->rays, COMPONENT_OPEN, &votes);
     for (size_t i = 0; i < pieces->count; ++i) {
         core_component *piece = &pieces->each[i];
-        if (piece->flags & COMPONENT_OPEN && result == NORMA_OK)
+        if (piece->flags & COMPONENT_OPEN && !result)
             j->known[i] = j->cast[i] = piece->flags & COMPONENT_UNDECIDED ? UNDECIDED
                                        : pieces->reverse[pieces->faces[pieces->starts[i]]] ? TURNED
                                                                                            : RIGHT;
@@ -459,7 +458,7 @@ norma_result norma_core_side_judge_ask(
     for (size_t i = 0; i < judge->pieces.count; ++i) judge->pieces.each[i].flags = 0;
     norma_result result = NORMA_OK;
     if (choose_pieces(judge, first, count, asked)) result = ask_side_rays(judge);
-    for (size_t f = 0; f < count && result == NORMA_OK; ++f) sides[f] = side_of(judge, first + f);
+    for (size_t f = 0; f < count && !result; ++f) sides[f] = side_of(judge, first + f);
     return result;
 }
 
@@ -514,8 +513,8 @@ static void turn_outward(core_components *c, norma_orient_report *report) {
 static norma_result orient_parts(
     core_topology *t, norma_orient_open open, core_components *c, norma_orient_report *report) {
     norma_result result = norma_core_measure_components(t, c, PART_NOT_CLOSED);
-    if (result == NORMA_OK) result = norma_core_judge_nesting(t, c, PART_NOT_CLOSED);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_judge_nesting(t, c, PART_NOT_CLOSED);
+    if (result) return result;
     turn_outward(c, report);
     report->parts = c->count;
     report->undecided = report->open;
@@ -533,11 +532,11 @@ static norma_result orient(
     core_components components;
     norma_core_stage(t->call, 0.3, 0.6);
     norma_result result = pair_and_count(t, report);
-    if (result == NORMA_OK) result = norma_core_find_components(t, CORE_JOIN_CUT, &components);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_find_components(t, CORE_JOIN_CUT, &components);
+    if (result) return result;
     norma_core_stage(t->call, 0.6, 1);
     result = orient_parts(t, open, &components, report);
-    for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; ++f) {
+    for (size_t f = 0; !result && f < t->mesh.face_count; ++f) {
         reverse[f] = components.reverse[f] != 0;
         report->reversed_faces += reverse[f];
     }
@@ -552,23 +551,23 @@ norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     core_topology topology;
     norma_orient_report counted = {.least_confidence = 1};
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
-    if (result == NORMA_OK && ((checked.face_count && !reverse) || open < NORMA_ORIENT_OPEN_KEPT ||
-                                  open > NORMA_ORIENT_OPEN_BY_RAYS))
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (!result) norma_core_share(&call, checked.corner_count);
+    if (!result && ((checked.face_count && !reverse) || open < NORMA_ORIENT_OPEN_KEPT ||
+                       open > NORMA_ORIENT_OPEN_BY_RAYS))
         result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK && capacity < checked.face_count) result = NORMA_ERROR_CAPACITY;
+    if (!result && capacity < checked.face_count) result = NORMA_ERROR_CAPACITY;
     norma_core_stage(&call, 0, 0.1);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result != NORMA_OK) return result;
+    if (!result) result = norma_core_mesh_content(&call, &checked);
+    if (result) return result;
     if (checked.face_count) {
         norma_core_stage(&call, 0.1, 0.3);
         result = norma_core_topology_open(&call, &checked, &topology);
-        if (result != NORMA_OK) return result;
+        if (result) return result;
         result = orient(&topology, open, reverse, &counted);
         norma_core_topology_close(&topology);
     }
-    if (result == NORMA_OK && report) *report = counted;
+    if (!result && report) *report = counted;
     return result;
 }
 

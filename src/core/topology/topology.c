@@ -71,7 +71,7 @@ static norma_result fill_topology(core_topology *t, const core_mesh *welded) {
     t->mesh.weld = NULL;
     t->mesh.corners = t->corners;
     t->mesh.corner_size = 4;
-    if (result == NORMA_OK && t->polygons)
+    if (!result && t->polygons)
         result = norma_core_parallel(
             t->call, block_count_of(t->mesh.face_count, FACES_IN_BLOCK), find_polygons, t);
     return result;
@@ -82,7 +82,7 @@ norma_result norma_core_topology_open(
     core_mesh welded = *checked;
     *topology = (core_topology){.call = call, .mesh = *checked};
     norma_result result = norma_core_weld(call, &welded);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     topology->corners = norma_core_allocate(call, checked->corner_count, sizeof *topology->corners);
     if (checked->face_starts)
         topology->polygons =
@@ -91,7 +91,7 @@ norma_result norma_core_topology_open(
                  ? fill_topology(topology, &welded)
                  : NORMA_ERROR_MEMORY;
     norma_core_unweld(call, &welded);
-    if (result != NORMA_OK) norma_core_topology_close(topology);
+    if (result) norma_core_topology_close(topology);
     return result;
 }
 
@@ -341,8 +341,7 @@ static norma_result pair_large(const pairing *p) {
         norma_core_allocate(t->call, most, sizeof *r.twins),
         norma_core_allocate(t->call, most, sizeof *r.fans), 0, 0};
     norma_result result = r.slots && r.runs && r.twins && r.fans ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t position = 0; position < t->corners_of.position_count && result == NORMA_OK;
-         ++position) {
+    for (size_t position = 0; position < t->corners_of.position_count && !result; ++position) {
         if (t->corners_of.starts[position + 1] - t->corners_of.starts[position] <= STAR_SLOTS)
             continue;
         pair_star(p, p->blocks - 1, (uint32_t)position, &r);
@@ -365,7 +364,7 @@ norma_result norma_core_pair_edges(core_topology *topology, const core_topology_
                               ? NORMA_OK
                               : norma_core_corners_of_position_build(
                                     topology->call, &topology->mesh, &topology->corners_of);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (!topology->partners)
         topology->partners = norma_core_allocate(
             topology->call, topology->mesh.corner_count, sizeof *topology->partners);
@@ -374,5 +373,5 @@ norma_result norma_core_pair_edges(core_topology *topology, const core_topology_
             topology->call, topology->mesh.corner_count, sizeof *topology->others);
     if (!topology->partners || !topology->others) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(topology->call, p.blocks - 1, pair_block, (void *)(uintptr_t)&p);
-    return result == NORMA_OK ? pair_large(&p) : result;
+    return !result ? pair_large(&p) : result;
 }

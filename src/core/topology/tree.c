@@ -149,10 +149,10 @@ norma_result norma_core_tree_grow(core_call *call, core_tree_item *items, size_t
         for (int k = 0; k < 3; ++k)
             if (items[i].centre[k] != items[i].centre[k]) items[i].centre[k] = 0;
     g.parts[1] = make_part(0, count, 0, 1);
-    for (; count >= WORTH_SHARING && g.first < SHARED_PARTS && result == NORMA_OK; g.first *= 2)
+    for (; count >= WORTH_SHARING && g.first < SHARED_PARTS && !result; g.first *= 2)
         result = run_tree_step(call, g.first, halve_shared_part, &g);
-    if (result == NORMA_OK) result = run_tree_step(call, g.first, grow_shared_part, &g);
-    for (size_t i = g.first; i-- > 1 && result == NORMA_OK;) fill(context, &g.parts[i]);
+    if (!result) result = run_tree_step(call, g.first, grow_shared_part, &g);
+    for (size_t i = g.first; i-- > 1 && !result;) fill(context, &g.parts[i]);
     return result;
 }
 
@@ -209,12 +209,12 @@ norma_result norma_core_box_tree_build(
     tree->numbers = norma_core_allocate(call, count, sizeof *tree->numbers);
     tree->nodes = norma_core_allocate(call, norma_core_tree_nodes(count), sizeof *tree->nodes);
     norma_result result = b.items && tree->numbers && tree->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK)
+    if (!result)
         result =
             run_tree_step(call, (count + BOXES_AT_ONCE - 1) / BOXES_AT_ONCE, measure_boxes, &b);
-    if (result == NORMA_OK) result = norma_core_tree_grow(call, b.items, count, fill_box, &b);
+    if (!result) result = norma_core_tree_grow(call, b.items, count, fill_box, &b);
     norma_core_release(call, b.items, count, sizeof *b.items);
-    if (result != NORMA_OK) norma_core_box_tree_release(call, tree);
+    if (result) norma_core_box_tree_release(call, tree);
     return result;
 }
 

@@ -79,8 +79,7 @@ static norma_result list_triangles(const core_call *call, triangle_list *list) {
     void *memory = norma_core_allocate(call, 1, size);
     const norma_result result = list->each && triangles && memory ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (memory) norma_core_cutter_begin(&cutter, memory, largest, mesh->corner_count);
-    for (size_t f = 0; result == NORMA_OK && f < mesh->face_count; ++f)
-        list_face(list, f, &cutter, triangles);
+    for (size_t f = 0; !result && f < mesh->face_count; ++f) list_face(list, f, &cutter, triangles);
     norma_core_release(call, triangles, largest, 3 * sizeof *triangles);
     norma_core_release(call, memory, 1, size);
     return result;
@@ -112,7 +111,7 @@ norma_result norma_core_triangle_tree_build(
     triangle_list list = {.mesh = mesh, .by = by};
     *tree = (core_triangle_tree){.count = 0};
     norma_result result = list_triangles(call, &list);
-    if (result == NORMA_OK) {
+    if (!result) {
         tree->count = list.count;
         tree->triangles = list.ordered =
             norma_core_allocate(call, list.count, sizeof *list.ordered);
@@ -121,7 +120,7 @@ norma_result norma_core_triangle_tree_build(
                               : NORMA_ERROR_MEMORY;
     }
     norma_core_release(call, list.each, list.room, sizeof *list.each);
-    if (result != NORMA_OK) norma_core_triangle_tree_release(call, tree);
+    if (result) norma_core_triangle_tree_release(call, tree);
     return result;
 }
 

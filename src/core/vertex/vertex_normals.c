@@ -51,12 +51,12 @@ static norma_result cone_vertices(
     vertices->normals = norma_core_allocate(prepared->call, count, sizeof *vertices->normals);
     vertices->reasons = norma_core_allocate(prepared->call, count, 1);
     norma_result result = vertices->normals && vertices->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         memset(vertices->reasons, NORMA_REASON_UNREFERENCED, count);
         result = norma_core_visit_positions(prepared, &visit, &sum);
     }
     norma_core_count_add(&tally->degenerate, &sum.tally.degenerate);
-    if (result != NORMA_OK) norma_core_release_vertices(vertices);
+    if (result) norma_core_release_vertices(vertices);
     return result;
 }
 
@@ -142,23 +142,23 @@ static norma_result compute_vertices(core_prepared_mesh *prepared, core_range *r
     int written = 0;
     norma_core_stage(call, 0.5, 0.9);
     norma_result result = norma_core_bin_vertices(prepared, ranges, output, &tally, &written);
-    if (result == NORMA_OK && !written) {
+    if (!result && !written) {
         result = sum_vertices(prepared, ranges, &work.vertices, &tally);
         norma_core_stage(call, 0.9, 0.97);
-        if (result == NORMA_OK)
+        if (!result)
             result = norma_core_write_chunks(
                 call, work.vertices.count, VERTICES_IN_CHUNK, write_vertex_normals, &work, &tally);
     }
     const size_t without = output->nearest ? without_normal(&tally) : 0;
     norma_core_stage(call, 0.9, 0.97);
-    if (result == NORMA_OK && written && without)
+    if (!result && written && without)
         result = sum_vertices(prepared, ranges, &work.vertices, &again);
-    if (result == NORMA_OK && without) {
+    if (!result && without) {
         const core_elements vertices = {
             &prepared->mesh, work.vertices.count, &work.vertices, normal_of_vertex, NULL};
         result = norma_core_fill_nearest(call, &vertices, output, without);
     }
-    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    if (!result) norma_core_write_report(report, &tally, NULL, NULL);
     norma_core_release_vertices(&work.vertices);
     return result;
 }
@@ -168,10 +168,10 @@ static norma_result open_and_compute(core_call *call, core_mesh *checked, core_r
     core_prepared_mesh prepared;
     norma_core_stage(call, 0, 0.05);
     norma_result result = norma_core_mesh_ranges(call, checked, ranges);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_prepared_mesh_open(
             call, checked, norma_core_sees(call) ? CORE_FOR_STARS : CORE_FOR_SUMS, 0, &prepared);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     result = norma_core_finish(call, compute_vertices(&prepared, ranges, output, report));
     norma_core_prepared_mesh_close(&prepared);
     return result;
@@ -183,11 +183,11 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     core_mesh checked;
     core_output output;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
-    if (result == NORMA_OK)
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (!result) norma_core_share(&call, checked.corner_count);
+    if (!result)
         result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const size_t chunks = checked.face_count / CORE_FACES_IN_CHUNK + 1;
     core_range *ranges = norma_core_allocate(&call, chunks, sizeof *ranges);
     if (!ranges) return NORMA_ERROR_MEMORY;

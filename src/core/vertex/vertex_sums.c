@@ -458,9 +458,9 @@ static norma_result sum_ranges(sum_work *work) {
     /* Faces in no order are measured by each who works, for some of their corners: two threads took
      * twice to four times as long as one, and no less where memory was waited for at each corner.
      */
-    if (bins->count > 1 && result == NORMA_OK && !is_coherent(bins, 0.75 * (double)bins->count))
+    if (bins->count > 1 && !result && !is_coherent(bins, 0.75 * (double)bins->count))
         divide_into_ranges(bins, 1);
-    for (size_t step = 0; step < steps && result == NORMA_OK; ++step) {
+    for (size_t step = 0; step < steps && !result; ++step) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
         norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
             from + (to - from) * (double)(step + 1) / (double)steps);
@@ -593,8 +593,8 @@ norma_result norma_core_sum_vertices(
     vertices->sums = norma_core_allocate(prepared->call, voting.count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_sum_all(&voting, vertices->sums, tally);
-    if (result == NORMA_OK) result = sum_own(vertices);
+    if (!result) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
-    if (result != NORMA_OK) norma_core_release_vertices(vertices);
+    if (result) norma_core_release_vertices(vertices);
     return result;
 }

@@ -380,8 +380,8 @@ static norma_document_result fill_others(tangent_job *job, tangent_set *of) {
     if (result) return result;
     float *tangents = norma_io_allocate(set->vertices, 16);
     const norma_vec3_view view = {.data = normals, .count = set->vertices};
-    if (!tangents || norma_orthogonalise_tangents(
-                         tangents, 0, view, set->vertices, tangents, 0, set->vertices) != NORMA_OK)
+    if (!tangents ||
+        norma_orthogonalise_tangents(tangents, 0, view, set->vertices, tangents, 0, set->vertices))
         result = norma_gltf_job_memory(&job->sets);
     for (size_t v = 0; !result && v < set->vertices; ++v) tangents[4 * v + 3] = 1;
     if (!result) result = gltf_encode_tangents(job, of, tangents, set->vertices, &data);

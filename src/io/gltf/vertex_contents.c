@@ -257,10 +257,9 @@ static int has_codes(vector_encoding encoding) {
 static int encode_units(
     vector_encoding encoding, const float *units, size_t count, unsigned char *out, size_t stride) {
     const norma_vec3_view view = {.data = units, .count = count, .format = NORMA_FORMAT_FLOAT};
-    if (encoding == VECTOR_SNORM8)
-        return norma_encode_snorm8(view, (int8_t *)out, stride, count) == NORMA_OK;
+    if (encoding == VECTOR_SNORM8) return !norma_encode_snorm8(view, (int8_t *)out, stride, count);
     if (encoding == VECTOR_SNORM16)
-        return norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count) == NORMA_OK;
+        return !norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count);
     const size_t size = norma_gltf_component_size((int)encoding);
     for (size_t i = 0; i < count; ++i)
         for (size_t k = 0; k < 3; ++k)
@@ -384,8 +383,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     }
     const norma_vec3_view normals = {
         .data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
-    ok = ok && norma_orthogonalise_tangents(
-                   tangents, 0, normals, c->count, tangents, 0, c->count) == NORMA_OK;
+    ok = ok && !norma_orthogonalise_tangents(tangents, 0, normals, c->count, tangents, 0, c->count);
     for (size_t v = 0; ok && v < c->count; ++v)
         memcpy(units + 3 * v, tangents + 4 * v, 3 * sizeof *units);
     size_t code_size = 3 * norma_gltf_component_size(data->component);

@@ -141,7 +141,7 @@ static void compute_block(void *context, size_t block) {
     const norma_mesh mesh = {
         .positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
     norma_report report;
-    if (norma_face_normals(&mesh, &work->core, normals, count, &report) != NORMA_OK ||
+    if (norma_face_normals(&mesh, &work->core, normals, count, &report) ||
         report.degenerate_faces.count > 0 || report.non_finite.count > 0)
         work->done[block] = BLOCK_FAILED;
     else if (norma_stl_replace_normals(work->bytes, first, count, normals))

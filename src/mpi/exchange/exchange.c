@@ -52,7 +52,7 @@ norma_result norma_mpi_agree(const mpi_call *call, norma_result mine) {
 }
 
 norma_result norma_mpi_step(mpi_call *call, double fraction, norma_result mine) {
-    if (mine == NORMA_OK && norma_core_progress(call->core, fraction)) mine = NORMA_CANCELLED;
+    if (!mine && norma_core_progress(call->core, fraction)) mine = NORMA_CANCELLED;
     return norma_mpi_agree(call, mine);
 }
 
@@ -143,7 +143,7 @@ norma_result norma_mpi_lists_open(
         total += room[r];
     }
     const norma_result result = allocate_lists(call, total, lists);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     lists->starts[0] = 0;
     for (int r = 0; r < call->ranks; ++r) {
         lists->counts[r] = 0;
@@ -157,7 +157,7 @@ norma_result norma_mpi_lists_like(
     const size_t ranks = (size_t)call->ranks;
     *lists = (mpi_lists){.record = record};
     const norma_result result = allocate_lists(call, (uint64_t)shape->starts[ranks], lists);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     memcpy(lists->counts, shape->counts, ranks * sizeof *lists->counts);
     memcpy(lists->starts, shape->starts, (ranks + 1) * sizeof *lists->starts);
     return NORMA_OK;
@@ -191,7 +191,7 @@ static norma_result open_received(
     if (!room) return NORMA_ERROR_MEMORY;
     for (size_t r = 0; r < ranks; ++r) room[r] = (uint64_t)counts[r];
     const norma_result result = norma_mpi_lists_open(call, room, record, in);
-    if (result == NORMA_OK) memcpy(in->counts, counts, ranks * sizeof *counts);
+    if (!result) memcpy(in->counts, counts, ranks * sizeof *counts);
     norma_core_release(call->core, room, ranks, sizeof *room);
     return result;
 }
@@ -201,12 +201,12 @@ norma_result norma_mpi_exchange(
     const size_t ranks = (size_t)call->ranks;
     int *counts = norma_core_allocate(call->core, ranks, sizeof *counts);
     *in = (mpi_lists){0};
-    if (mine == NORMA_OK && !counts) mine = NORMA_ERROR_MEMORY;
+    if (!mine && !counts) mine = NORMA_ERROR_MEMORY;
     norma_result result = norma_mpi_agree(call, mine);
-    if (result == NORMA_OK) {
+    if (!result) {
         MPI_Alltoall(out->counts, 1, MPI_INT, counts, 1, MPI_INT, call->comm);
         result = norma_mpi_agree(call, open_received(call, counts, out->record, in));
-        if (result == NORMA_OK)
+        if (!result)
             mpi_pass(call, cargo, out, in);
         else
             norma_mpi_lists_close(call, in);

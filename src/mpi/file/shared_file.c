@@ -64,8 +64,8 @@ int norma_mpi_failed(mpi_job *job, int mine) {
 }
 
 int norma_mpi_failed_result(mpi_job *job, norma_result mine) {
-    return norma_mpi_failed(job,
-        mine == NORMA_OK ? 0 : norma_mpi_fail(job, "%s: %s", job->input, norma_result_text(mine)));
+    return norma_mpi_failed(
+        job, !mine ? 0 : norma_mpi_fail(job, "%s: %s", job->input, norma_result_text(mine)));
 }
 
 static int fail_mpi(mpi_job *job, const char *path, const char *what, int code) {

@@ -271,7 +271,7 @@ static norma_result list_wanted(const mpi_ply *p, size_t begin, size_t end, mpi_
     memset(room, 0, ranks * sizeof *room);
     for (size_t i = begin; i < end; ++i) ++room[owner_of(p, others[i])];
     const norma_result result = norma_mpi_lists_open(&p->job->call, room, sizeof(uint32_t), out);
-    for (size_t i = begin; i < end && result == NORMA_OK; ++i) {
+    for (size_t i = begin; i < end && !result; ++i) {
         const uint32_t vertex = (uint32_t)others[i];
         memcpy(norma_mpi_lists_add(out, owner_of(p, vertex)), &vertex, sizeof vertex);
     }
@@ -283,7 +283,7 @@ static norma_result list_positions(const mpi_ply *p, const mpi_lists *in, mpi_li
     const size_t size = norma_large_position_size(&p->ply),
                  count = norma_mpi_lists_total(&p->job->call, in);
     const norma_result result = norma_mpi_lists_like(&p->job->call, in, size, answers);
-    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < count && !result; ++i) {
         uint32_t vertex;
         memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
         memcpy(
@@ -298,12 +298,12 @@ static norma_result fetch_some(const mpi_ply *p, size_t begin, size_t end) {
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
     norma_result result =
         norma_mpi_exchange(call, MPI_POSITIONS, list_wanted(p, begin, end, &out), &out, &in);
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_result mine = list_positions(p, &in, &answers);
-        if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, size, &back);
+        if (!mine) mine = norma_mpi_lists_like(call, &out, size, &back);
         result = norma_mpi_agree(call, mine);
     }
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_mpi_answer(call, MPI_POSITIONS, &answers, &back);
         memcpy(p->positions + (p->own + begin) * size, back.bytes, (end - begin) * size);
     }
@@ -320,7 +320,7 @@ static norma_result fetch_others(const mpi_ply *p) {
     const uint64_t rounds = norma_mpi_largest(&p->job->call, p->others / some + 1);
     norma_result result = NORMA_OK;
     size_t begin = 0;
-    for (uint64_t round = 0; round < rounds && result == NORMA_OK; ++round) {
+    for (uint64_t round = 0; round < rounds && !result; ++round) {
         const size_t end = p->others - begin < some ? p->others : begin + some;
         result = fetch_some(p, begin, end);
         begin = end;
@@ -538,8 +538,7 @@ static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
     options.reasons = p->reasons;
     options.fallback = NORMA_FALLBACK_ZERO;
     const norma_result result = norma_face_normals(&mesh, &options, p->normals, count, NULL);
-    if (result != NORMA_OK)
-        return norma_mpi_fail(p->job, "%s: %s", p->job->input, norma_result_text(result));
+    if (result) return norma_mpi_fail(p->job, "%s: %s", p->job->input, norma_result_text(result));
     for (size_t i = 0; i < count; ++i) {
         if (!p->keep) norma_core_tally(&p->tally, p->reasons[i], (size_t)p->first + begin + i);
         if (p->keep)
@@ -576,7 +575,7 @@ static int fill_missing(stl_part *p) {
     mpi_part sites = {.vertex_ids = p->ids, .positions = p->count};
     norma_mesh mesh = {.positions = {.data = p->kept_positions, .count = p->count}};
     norma_result result = norma_core_mesh_shape(&mesh, &sites.prepared.mesh);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_core_output_open(
             &p->job->core, p->kept_normals, p->count, p->count, &sites.output);
     if (norma_mpi_failed_result(p->job, result)) return 1;

@@ -236,7 +236,7 @@ static int tool_run(mpi_job *job) {
  */
 static int tool_run_all(settings *s, int understood) {
     mpi_job *job = &s->job;
-    if (norma_mpi_open_job(job, MPI_COMM_WORLD) != NORMA_OK) return 3;
+    if (norma_mpi_open_job(job, MPI_COMM_WORLD)) return 3;
     if (!understood) norma_mpi_fail(job, "norma-mpi: \"%s\": %s", s->word, s->wrong);
     int status = norma_mpi_failed(job, !understood) ? 2 : 0;
     if (!status) status = tool_run(job) ? 3 : 0;

@@ -23,7 +23,7 @@ static norma_result list_points(const mpi_call *call, const core_mesh *mesh, mpi
     room[0] = mesh->positions.count;
     const norma_result result = norma_mpi_lists_open(call, room, POINT, out);
     norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < mesh->positions.count && result == NORMA_OK; ++v) {
+    for (size_t v = 0; v < mesh->positions.count && !result; ++v) {
         double p[3];
         norma_view_read(&mesh->positions, v, p);
         memcpy(norma_mpi_lists_add(out, 0), p, POINT);
@@ -40,9 +40,9 @@ static norma_result weld_points(
         .scale = scale};
     if (all.positions.count > UINT32_MAX - 1) return NORMA_ERROR_OVERFLOW;
     norma_result result = norma_core_weld(call->core, &all);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     result = norma_mpi_lists_like(call, in, sizeof(uint32_t), answers);
-    for (size_t i = 0; i < all.positions.count && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < all.positions.count && !result; ++i) {
         const uint32_t group = norma_core_welded(&all, (uint32_t)i);
         memcpy(norma_mpi_record(answers, i), &group, sizeof group);
     }
@@ -73,16 +73,16 @@ static norma_result mpi_weld_gathered(mpi_call *call, const core_mesh *mesh, uin
     norma_mpi_reduce(call, &scale, 1, MPI_DOUBLE, MPI_MAX);
     norma_result result =
         norma_mpi_exchange(call, MPI_OTHERS, list_points(call, mesh, &out), &out, &in);
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_result local = weld_points(call, &in, scale, &answers);
-        if (local == NORMA_OK) local = norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back);
+        if (!local) local = norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back);
         result = norma_mpi_agree(call, local);
     }
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_mpi_answer(call, MPI_OTHERS, &answers, &back);
         const norma_result local = read_groups(call, &back, count, groups);
         result = norma_mpi_agree(call, local);
-        if (result != NORMA_OK) {
+        if (result) {
             norma_core_release(call->core, *groups, count, sizeof **groups);
             *groups = NULL;
         }
@@ -103,7 +103,7 @@ enum { LEAST_BUDGET = 1 << 18, BUDGET_OF_TRIANGLE = 8 };
 static norma_result mpi_check_shape(
     const mpi_call *call, const mpi_input *input, core_mesh *mesh, core_output *output) {
     const norma_result result = norma_core_mesh_shape(input->mesh, mesh);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     if (mesh->positions.count && !input->vertex_ids) return NORMA_ERROR_ARGUMENT;
     return norma_core_output_open(
         call->core, input->normals, mesh->positions.count, input->capacity, output);
@@ -162,7 +162,7 @@ static norma_result mpi_order_faces(
     norma_result result = norma_mpi_order_faces(
         call->core, mesh->face_count ? ids : NULL, mesh->face_count, &part->faces);
     result = norma_mpi_agree(call, result);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     part->faces.first = before;
     part->numbered = with && !ranks_ascend(call, &part->faces);
     return NORMA_OK;
@@ -201,7 +201,7 @@ norma_result norma_mpi_weld_numbers(
     uint32_t *map = norma_core_allocate(core, count, sizeof *map);
     if (!map) return NORMA_ERROR_MEMORY;
     const norma_result result = norma_core_weld_keys(core, &keys, map, &found);
-    if (result == NORMA_OK && found)
+    if (!result && found)
         *weld = map;
     else
         norma_core_release(core, map, count, sizeof *map);
@@ -216,7 +216,7 @@ static norma_result weld_part(mpi_call *call, mpi_part *part, core_mesh *mesh) {
     norma_result result = NORMA_OK;
     if (weld == NORMA_WELD_EXACT) return NORMA_OK;
     if (weld == NORMA_WELD_DISTANCE) result = mpi_weld_gathered(call, mesh, &part->groups);
-    if (result == NORMA_OK)
+    if (!result)
         result = norma_mpi_weld_numbers(
             core, part->groups ? part->groups : part->vertex_ids, part->positions, &map);
     mesh->weld = map;
@@ -228,23 +228,23 @@ static norma_result open_prepared(mpi_call *call, mpi_part *part, core_mesh *mes
     core_call *core = call->core;
     const norma_weld weld = core->options.weld;
     norma_result result = norma_mpi_agree(call, weld_part(call, part, mesh));
-    if (result != NORMA_OK) {
+    if (result) {
         norma_core_unweld(core, mesh);
         return result;
     }
     if (weld != NORMA_WELD_EXACT) core->options.weld = NORMA_WELD_NONE;
     result = norma_core_prepared_mesh_open(core, mesh, CORE_FOR_SUMS, 0, &part->prepared);
     core->options.weld = weld;
-    part->is_prepared = result == NORMA_OK;
+    part->is_prepared = !result;
     return norma_mpi_step(call, 0.2, result);
 }
 
 static norma_result open_checked(
     mpi_call *call, const mpi_input *input, core_mesh *mesh, mpi_part *part) {
     norma_result result = norma_mpi_step(call, 0, norma_core_mesh_content(call->core, mesh));
-    if (result == NORMA_OK) result = agree_on_scale(call, mesh, &part->doubles);
-    if (result == NORMA_OK) result = mpi_order_faces(call, input->face_ids, part, mesh);
-    if (result == NORMA_OK) result = open_prepared(call, part, mesh);
+    if (!result) result = agree_on_scale(call, mesh, &part->doubles);
+    if (!result) result = mpi_order_faces(call, input->face_ids, part, mesh);
+    if (!result) result = open_prepared(call, part, mesh);
     return result;
 }
 
@@ -252,9 +252,9 @@ norma_result norma_mpi_open_part(
     mpi_call *call, norma_result begun, const mpi_input *input, mpi_part *part) {
     core_mesh mesh;
     *part = (mpi_part){.vertex_ids = input->vertex_ids};
-    if (begun == NORMA_OK) begun = mpi_check_shape(call, input, &mesh, &part->output);
+    if (!begun) begun = mpi_check_shape(call, input, &mesh, &part->output);
     const norma_result result = norma_mpi_agree(call, begun);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const int same = ranks_agree_on_options(call);
     if (!same_numbering(call, &mesh, input->face_ids) || !same) return NORMA_ERROR_ARGUMENT;
     part->positions = mesh.positions.count;
@@ -262,7 +262,7 @@ norma_result norma_mpi_open_part(
     if (part->budget < LEAST_BUDGET) part->budget = LEAST_BUDGET;
     norma_core_stage(call->core, 0, 0.1);
     const norma_result opened = open_checked(call, input, &mesh, part);
-    if (opened != NORMA_OK) norma_mpi_close_part(call, part);
+    if (opened) norma_mpi_close_part(call, part);
     return opened;
 }
 
@@ -417,7 +417,7 @@ static norma_result mark_cells(const share_work *work, share_cells *cells) {
     size_cells(work, cells);
     cells->marks = norma_core_allocate(call->core, cells->count / 64, sizeof *cells->marks);
     const norma_result result = norma_mpi_agree(call, cells->marks ? NORMA_OK : NORMA_ERROR_MEMORY);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     memset(cells->marks, 0, cells->count / 64 * sizeof *cells->marks);
     for (size_t v = 0; v < work->sharing->count; ++v) {
         if (work->part[v] == MPI_ABSENT) continue;
@@ -466,7 +466,7 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
     share_cells cells;
     uint64_t sent = 0;
     const norma_result result = mark_cells(work, &cells);
-    for (size_t v = 0; v < work->sharing->count && result == NORMA_OK; ++v) {
+    for (size_t v = 0; v < work->sharing->count && !result; ++v) {
         mpi_place place = norma_mpi_place(MPI_NOWHERE, 0, 0);
         if (work->part[v] != MPI_ABSENT) {
             const int far = stays_here(work, &cells, v);
@@ -476,7 +476,7 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
         work->sharing->places[v] = norma_mpi_keep_place(place);
     }
     norma_core_release(work->call->core, cells.marks, cells.count / 64, sizeof *cells.marks);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     work->rounds = rounds_for(work, budget, sent);
     for (size_t v = 0; v < work->sharing->count && sent; ++v) {
         const mpi_place place = norma_mpi_place_at(work->sharing, v);
@@ -518,7 +518,7 @@ static norma_result list_keys(share_work *work, mpi_lists *out) {
     for_round(work, count_one, room);
     const norma_result result = norma_mpi_lists_open(call, room, work->key_size + 1, out);
     norma_core_release(call->core, room, ranks, sizeof *room);
-    if (result == NORMA_OK) for_round(work, send_one, out);
+    if (!result) for_round(work, send_one, out);
     return result;
 }
 
@@ -607,13 +607,12 @@ static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi
     key_table table = {
         .in = in, .key_size = work->key_size, .count = norma_mpi_lists_total(work->call, in)};
     norma_result result = open_table(work->call, &table);
-    if (result == NORMA_OK) {
+    if (!result) {
         for (size_t i = 0; i < table.count; ++i) group_record(&table, i);
         result = mpi_give_slots(work, &table);
     }
-    if (result == NORMA_OK)
-        result = norma_mpi_lists_like(work->call, in, sizeof(uint32_t), answers);
-    for (size_t i = 0; i < table.count && result == NORMA_OK; ++i) {
+    if (!result) result = norma_mpi_lists_like(work->call, in, sizeof(uint32_t), answers);
+    for (size_t i = 0; i < table.count && !result; ++i) {
         const int votes = norma_mpi_record(in, i)[work->key_size] == MPI_VOTES;
         const uint32_t answer = answer_to(work, &table.groups[table.group_of[i]], votes);
         memcpy(norma_mpi_record(answers, i), &answer, sizeof answer);
@@ -677,7 +676,7 @@ static norma_result read_answers(share_work *work, const mpi_lists *answers) {
     norma_result result = reader.next
                               ? make_room_for_loans(call, work->sharing, count_lent(call, answers))
                               : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         memcpy(reader.next, answers->starts, ranks * sizeof *reader.next);
         for_round(work, read_one, &reader);
     }
@@ -691,17 +690,17 @@ static norma_result run_round(share_work *work) {
     mpi_call *call = work->call;
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
     norma_result result = norma_mpi_exchange(call, MPI_KEYS, list_keys(work, &out), &out, &in);
-    if (result == NORMA_OK) {
+    if (!result) {
         const norma_result mine = answer_keys(work, &in, &answers);
         const norma_result room =
-            mine == NORMA_OK ? norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back) : mine;
+            !mine ? norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back) : mine;
         result = norma_mpi_agree(call, room);
     }
     norma_mpi_lists_close(call, &in);
     norma_mpi_lists_close(call, &out);
-    if (result == NORMA_OK) norma_mpi_answer(call, MPI_KEYS, &answers, &back);
+    if (!result) norma_mpi_answer(call, MPI_KEYS, &answers, &back);
     norma_mpi_lists_close(call, &answers);
-    if (result == NORMA_OK) result = norma_mpi_agree(call, read_answers(work, &back));
+    if (!result) result = norma_mpi_agree(call, read_answers(work, &back));
     norma_mpi_lists_close(call, &back);
     return result;
 }
@@ -726,9 +725,9 @@ norma_result norma_mpi_share(mpi_call *call, const mpi_keys *keys, const uint8_t
         .sharing = sharing};
     *sharing = (mpi_sharing){.count = keys->mesh->positions.count, .own = 1};
     norma_result result = norma_mpi_agree(call, open_sharing(call, sharing));
-    if (result == NORMA_OK) result = plan_rounds(&work, budget);
-    for (; work.round < work.rounds && result == NORMA_OK; ++work.round) result = run_round(&work);
-    if (result == NORMA_OK) {
+    if (!result) result = plan_rounds(&work, budget);
+    for (; work.round < work.rounds && !result; ++work.round) result = run_round(&work);
+    if (!result) {
         const uint64_t mine = sharing->slots[call->rank];
         MPI_Allgather(&mine, 1, MPI_UINT64_T, sharing->slots, 1, MPI_UINT64_T, call->comm);
     } else {

@@ -176,7 +176,7 @@ static norma_result take_merged(const mpi_home *home, vote_taker *take, void *co
         .heap = norma_core_allocate(core, ranks, sizeof *m.heap),
         .face = norma_core_allocate(core, ranks, sizeof *m.face)};
     const norma_result result = m.next && m.heap && m.face ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) begin_merge(&m, home->call->ranks);
+    if (!result) begin_merge(&m, home->call->ranks);
     while (m.waiting) {
         slot_vote v;
         read_vote(take_first(&m), &v);
@@ -216,7 +216,7 @@ static norma_result sum_slots(const mpi_home *home) {
     if (!s.sums) return NORMA_ERROR_MEMORY;
     norma_core_clear_sums(s.sums, home->count);
     const norma_result result = take_all(home, add_vote, &s);
-    for (size_t i = 0; i < home->count && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < home->count && !result; ++i) {
         mpi_outcome outcome = {{0, 0, 0}, 0};
         outcome.reason = (uint32_t)mpi_resolve(&s.sums[i], outcome.normal);
         home->outcomes[home->first + i] = outcome;
@@ -272,11 +272,11 @@ static norma_result see_slots(const mpi_home *home) {
     slot_normals s = {norma_core_allocate(core, votes, sizeof *s.normals),
         norma_core_allocate(core, home->count, sizeof *s.ends), home->first};
     norma_result result = s.normals && s.ends ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
+    if (!result) {
         place_slots(home, &s, votes);
         result = take_all(home, mpi_keep_normal, &s);
     }
-    for (size_t i = 0; i < home->count && result == NORMA_OK; ++i)
+    for (size_t i = 0; i < home->count && !result; ++i)
         home->outcomes[home->first + i] = see(&s, i);
     norma_core_release(core, s.normals, votes, sizeof *s.normals);
     norma_core_release(core, s.ends, home->count, sizeof *s.ends);
@@ -430,7 +430,7 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
     const size_t ranks = (size_t)r->call->ranks;
     uint64_t *counts = norma_core_allocate(r->call->core, ranks, sizeof *counts), sent = 0;
     norma_result result = norma_mpi_agree(r->call, counts ? NORMA_OK : NORMA_ERROR_MEMORY);
-    if (result == NORMA_OK) {
+    if (!result) {
         size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
         if (most < LEAST_VOTES) most = LEAST_VOTES;
         count_votes(r, 1);
@@ -440,14 +440,14 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
         r->rounds = norma_mpi_largest(r->call, sent / most + 1);
     }
     norma_core_release(r->call->core, counts, ranks, sizeof *counts);
-    return result == NORMA_OK ? norma_mpi_agree(r->call, note_rounds(r)) : result;
+    return !result ? norma_mpi_agree(r->call, note_rounds(r)) : result;
 }
 
 static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
     if (r->rounds > 1) count_votes(r, 0);
     const norma_result result =
         norma_mpi_lists_open(r->call, r->room, norma_mpi_vote_size(r->sums->numbered), out);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const mpi_visit visit = {
         r->sums->prepared, r->sums->faces, wants_face, take_vote, take_degenerate, r};
     r->out = out;
@@ -463,7 +463,7 @@ static norma_result mpi_run_round(sum_rounds *r) {
     norma_result result =
         norma_mpi_exchange(call, MPI_CONTRIBUTIONS, list_votes(r, &out), &out, &in);
     norma_mpi_lists_close(call, &out);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const mpi_home home = {.call = call,
         .in = &in,
         .numbered = r->sums->numbered,
@@ -496,13 +496,13 @@ norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
     sums->outcomes = NULL;
     norma_result result = open_sums(call, sums);
     result = norma_mpi_agree(call, r.first && r.count && r.room ? result : NORMA_ERROR_MEMORY);
-    if (result == NORMA_OK) result = choose_rounds(&r, budget);
-    for (; r.round < r.rounds && result == NORMA_OK; ++r.round) result = mpi_run_round(&r);
+    if (!result) result = choose_rounds(&r, budget);
+    for (; r.round < r.rounds && !result; ++r.round) result = mpi_run_round(&r);
     norma_core_release(call->core, r.first, ranks, sizeof *r.first);
     norma_core_release(call->core, r.count, ranks, sizeof *r.count);
     norma_core_release(call->core, r.room, ranks, sizeof *r.room);
     norma_core_release(call->core, r.corner_rounds, sums->prepared->mesh.corner_count, 1);
-    if (result != NORMA_OK) norma_mpi_sums_close(call, sums);
+    if (result) norma_mpi_sums_close(call, sums);
     return result;
 }
 
@@ -542,7 +542,7 @@ static norma_result list_questions(const hand_out *h, mpi_lists *out) {
         if (is_at_home(mpi_place_of(h->sums, v))) ++room[norma_mpi_home(mpi_place_of(h->sums, v))];
     const norma_result result = norma_mpi_lists_open(h->call, room, sizeof(uint32_t), out);
     norma_core_release(core, room, ranks, sizeof *room);
-    for (size_t v = h->begin; v < h->end && result == NORMA_OK; ++v) {
+    for (size_t v = h->begin; v < h->end && !result; ++v) {
         const mpi_place place = mpi_place_of(h->sums, v);
         const uint32_t slot = (uint32_t)norma_mpi_slot(place);
         if (is_at_home(place))
@@ -554,7 +554,7 @@ static norma_result list_questions(const hand_out *h, mpi_lists *out) {
 static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_lists *answers) {
     const norma_result result = norma_mpi_lists_like(h->call, in, OUTCOME_SIZE, answers);
     const size_t count = norma_mpi_lists_total(h->call, in);
-    for (size_t i = 0; i < count && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < count && !result; ++i) {
         uint32_t slot;
         memcpy(&slot, norma_mpi_record(in, i), sizeof slot);
         const mpi_outcome *outcome = &h->sums->outcomes[slot];
@@ -596,12 +596,12 @@ static norma_result hand_out_some(const hand_out *h, mpi_receiver *receive, void
     mpi_call *call = h->call;
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
     norma_result result = norma_mpi_exchange(call, MPI_NORMALS, list_questions(h, &out), &out, &in);
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_result mine = list_outcomes(h, &in, &answers);
-        if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, OUTCOME_SIZE, &back);
+        if (!mine) mine = norma_mpi_lists_like(call, &out, OUTCOME_SIZE, &back);
         result = norma_mpi_agree(call, mine);
     }
-    if (result == NORMA_OK) {
+    if (!result) {
         norma_mpi_answer(call, MPI_NORMALS, &answers, &back);
         result = norma_mpi_agree(call, receive_some(h, &back, receive, context));
     }
@@ -619,7 +619,7 @@ norma_result norma_mpi_hand_out(
     hand_out h = {.call = call, .sums = sums};
     const uint64_t rounds = norma_mpi_largest(call, count / some + 1);
     norma_result result = NORMA_OK;
-    for (uint64_t round = 0; round < rounds && result == NORMA_OK; ++round) {
+    for (uint64_t round = 0; round < rounds && !result; ++round) {
         h.begin = h.end;
         h.end = count - h.begin < some ? count : h.begin + some;
         result = hand_out_some(&h, receive, context);

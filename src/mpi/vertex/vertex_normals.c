@@ -19,7 +19,7 @@ static norma_result list_vertices_without_normal(
         if (reasons[v]) ++room[norma_mpi_home_of_number(call, part->vertex_ids[v])];
     const norma_result result = norma_mpi_lists_open(call, room, MISSING_SIZE, out);
     norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < part->positions && result == NORMA_OK; ++v) {
+    for (size_t v = 0; v < part->positions && !result; ++v) {
         if (!reasons[v]) continue;
         unsigned char *record =
             norma_mpi_lists_add(out, norma_mpi_home_of_number(call, part->vertex_ids[v]));
@@ -57,7 +57,7 @@ static norma_result mpi_count_missing(
     if (!norma_mpi_largest(call, any)) return NORMA_OK;
     const norma_result result = norma_mpi_exchange(
         call, MPI_OTHERS, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
-    if (result == NORMA_OK) count_numbers(call, &in, tally);
+    if (!result) count_numbers(call, &in, tally);
     norma_mpi_lists_close(call, &out);
     norma_mpi_lists_close(call, &in);
     return result;
@@ -114,10 +114,10 @@ static norma_result mpi_collect(sites *s, const uint8_t *reasons) {
     s->sites = norma_core_allocate(core, positions, sizeof *s->sites);
     if (!s->sites) return NORMA_ERROR_MEMORY;
     norma_result result = norma_mpi_order_faces(core, s->part->vertex_ids, positions, &order);
-    if (result == NORMA_OK && order.order &&
+    if (!result && order.order &&
         !(s->rank_of = norma_core_allocate(core, positions, sizeof *s->rank_of)))
         result = NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < positions && result == NORMA_OK; ++i) {
+    for (size_t i = 0; i < positions && !result; ++i) {
         const size_t v = norma_mpi_face(&order, i);
         if (s->rank_of) s->rank_of[v] = (uint32_t)i;
         if (!reasons[v]) s->sites[s->count++] = (uint32_t)v;
@@ -130,7 +130,7 @@ static norma_result plant(sites *s, uint64_t queries) {
     if (queries <= FEW_QUERIES || !s->count) return NORMA_OK;
     const norma_result result =
         norma_core_kdtree_build(s->call->core, &s->mesh, s->rank_of, s->sites, s->count, &s->tree);
-    s->planted = result == NORMA_OK;
+    s->planted = !result;
     return result;
 }
 
@@ -304,10 +304,10 @@ norma_result norma_mpi_fill_nearest(mpi_call *call, const mpi_part *part, const 
     asking a = {.sites = &s, .reasons = reasons};
     const size_t room = (size_t)QUERIES_AT_ONCE + (size_t)call->ranks;
     norma_result result = mpi_collect(&s, reasons);
-    if (result == NORMA_OK) result = plant(&s, queries);
-    if (result == NORMA_OK) result = open_asking(&a, room);
+    if (!result) result = plant(&s, queries);
+    if (!result) result = open_asking(&a, room);
     result = norma_mpi_agree(call, result);
-    if (result == NORMA_OK) ask_all(&a);
+    if (!result) ask_all(&a);
     close_asking(&a, room);
     close_sites(&s);
     return result;
@@ -347,7 +347,7 @@ static norma_result sum_and_hand_out(
     mpi_sharing sharing;
     norma_result result = norma_mpi_share(call, keys, work->take_part, lend, budget, &sharing);
     forget_part(work);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     mpi_sums sums = {.prepared = &work->part->prepared,
         .faces = &work->part->faces,
         .merge = merge,
@@ -355,7 +355,7 @@ static norma_result sum_and_hand_out(
         .numbered = work->part->numbered,
         .degenerate = degenerate};
     result = norma_mpi_sum_all(call, budget, &sums);
-    if (result == NORMA_OK) {
+    if (!result) {
         result = norma_mpi_hand_out(call, &sums, budget, receive_normal, work);
         norma_mpi_sums_close(call, &sums);
     }
@@ -371,7 +371,7 @@ static norma_result take_part(vertex_work *work, const uint32_t *merge, int reas
     work->take_part = norma_core_allocate(work->call->core, work->part->positions, 1);
     const norma_result result =
         norma_mpi_agree(work->call, work->take_part ? NORMA_OK : NORMA_ERROR_MEMORY);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     memset(work->take_part, MPI_ABSENT, work->part->positions);
     for (size_t v = 0; v < work->part->positions; ++v)
         if (work->reasons[v] == reason) work->take_part[merged(merge, v)] = MPI_LISTENS;
@@ -405,7 +405,7 @@ static norma_result sum_positions(vertex_work *work) {
         part->doubles};
     mpi_judge_positions(work);
     const norma_result result = take_part(work, weld, NORMA_REASON_UNREFERENCED);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_core_stage(work->call->core, 0.2, 0.8);
     return sum_and_hand_out(work, &keys, weld, &work->tally.degenerate);
 }
@@ -423,11 +423,11 @@ static norma_result mpi_sum_own(vertex_work *work) {
         return NORMA_OK;
     norma_result result = norma_mpi_agree(work->call,
         norma_mpi_weld_numbers(work->call->core, part->vertex_ids, part->positions, &same));
-    if (result == NORMA_OK) {
+    if (!result) {
         const mpi_keys keys = {&part->prepared.mesh, part->vertex_ids, part->doubles};
         result = take_part(work, same, NORMA_REASON_CANCELLED);
         work->once_more = 1;
-        if (result == NORMA_OK) result = sum_and_hand_out(work, &keys, same, NULL);
+        if (!result) result = sum_and_hand_out(work, &keys, same, NULL);
     }
     norma_core_release(work->call->core, same, part->positions, sizeof *same);
     return result;
@@ -455,18 +455,17 @@ static norma_result mpi_open_work(vertex_work *work) {
 static norma_result mpi_run(vertex_work *work, norma_report *report) {
     mpi_call *call = work->call;
     norma_result result = norma_mpi_agree(call, mpi_open_work(work));
-    if (result == NORMA_OK) result = sum_positions(work);
-    if (result == NORMA_OK) result = mpi_sum_own(work);
-    if (result == NORMA_OK)
-        result = mpi_count_missing(call, work->part, work->reasons, &work->tally);
-    if (result == NORMA_OK) {
+    if (!result) result = sum_positions(work);
+    if (!result) result = mpi_sum_own(work);
+    if (!result) result = mpi_count_missing(call, work->part, work->reasons, &work->tally);
+    if (!result) {
         write_missing(work);
         if (work->part->output.nearest)
             result = norma_mpi_fill_nearest(call, work->part, work->reasons);
     }
     norma_core_stage(call->core, 1, 1);
     result = norma_mpi_step(call, 1, result);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     norma_mpi_add_tallies(call, &work->tally);
     norma_core_write_report(report, &work->tally, NULL, NULL);
     return NORMA_OK;
@@ -476,7 +475,7 @@ static norma_result mpi_compute(
     mpi_call *call, norma_result begun, const mpi_input *input, norma_report *report) {
     mpi_part part;
     norma_result result = norma_mpi_open_part(call, begun, input, &part);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     vertex_work work = {.call = call, .part = &part};
     result = mpi_run(&work, report);
     forget_part(&work);
@@ -493,7 +492,7 @@ norma_result norma_mpi_normals_of(MPI_Comm comm, uint64_t *sent, const norma_mes
     const mpi_input input = {part, vertex_ids, face_ids, normals, capacity};
     const norma_result begun = norma_core_begin(&core, options);
     const norma_result result = norma_mpi_begin(&call, comm, &core);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const norma_result computed = mpi_compute(&call, begun, &input, report);
     for (int i = 0; sent && i < MPI_CARGOS; ++i) sent[i] += call.sent[i];
     norma_mpi_end(&call);

@@ -119,7 +119,7 @@ static int face_lines(liner *l, size_t most) {
     const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
     float *normals = malloc((3 * faces + 1) * sizeof *normals);
     const int ready = normals && make_room_for_lines(l, faces, most) &&
-                      norma_face_normals(l->mesh, &options, normals, faces, NULL) == NORMA_OK;
+                      !norma_face_normals(l->mesh, &options, normals, faces, NULL);
     for (size_t face = 0; ready && face < faces; face += l->step)
         face_line(l, face, normals + 3 * face);
     free(normals);

@@ -193,11 +193,11 @@ static int compute_for_errors(const render_surface *surface, float *normals) {
     options.fallback = NORMA_FALLBACK_ZERO;
     if (surface->stored != RENDER_NORMALS_PER_VERTEX || surface->crease_rad < all_angles ||
         mesh->smoothing_groups)
-        return norma_corner_normals(mesh, (float)surface->crease_rad, &options, normals,
-                   mesh->corner_count, NULL) == NORMA_OK;
+        return !norma_corner_normals(
+            mesh, (float)surface->crease_rad, &options, normals, mesh->corner_count, NULL);
     float *each = malloc((3 * mesh->positions.count + 1) * sizeof *each);
     const int good =
-        each && norma_vertex_normals(mesh, &options, each, mesh->positions.count, NULL) == NORMA_OK;
+        each && !norma_vertex_normals(mesh, &options, each, mesh->positions.count, NULL);
     for (size_t i = 0; good && i < mesh->corner_count; ++i)
         memcpy(normals + 3 * i, each + (size_t)3 * norma_mesh_corner(mesh, i), 12);
     free(each);

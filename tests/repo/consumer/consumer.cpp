@@ -13,7 +13,7 @@ int main() {
     mesh.positions.count = positions.size() / 3;
     mesh.corner_count = 3;
     std::vector<float> normals(9);
-    if (norma_vertex_normals(&mesh, nullptr, normals.data(), 3, nullptr) != NORMA_OK) return 1;
+    if (norma_vertex_normals(&mesh, nullptr, normals.data(), 3, nullptr)) return 1;
     if (std::abs(normals[2] - 1.0F) > 0.0F) return 2;
     if (norma_file_format_of_path("a/b.GLB") != NORMA_FILE_GLB) return 3;
     std::cout << "norma " << norma_version() << " from C++\n";

@@ -84,7 +84,7 @@ static int update(trial *t, const norma_plan *plan, const norma_vec3_view *posit
     const norma_result result = norma_plan_update(
         plan, *positions, moved, moved_count, &u->options, u->normals, u->count, &u->report);
     if (result) complain(t, "an update gives result", (size_t)-result);
-    return result == NORMA_OK;
+    return !result;
 }
 
 static void judge_update(trial *t, norma_element of, const oracle *o, const updated *u) {

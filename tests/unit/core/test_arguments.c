@@ -490,7 +490,7 @@ static void struct_sizes(void **state) {
         norma_corner_normals(&good, 1, &bigger.options, normals, 12, NULL), NORMA_ERROR_ARGUMENT);
     options.struct_size = 8; /* smaller than any version */
     const norma_result result = norma_corner_normals(&good, 1, &options, normals, 12, NULL);
-    assert_true(result == NORMA_ERROR_ARGUMENT || result == NORMA_OK);
+    assert_true(result == NORMA_ERROR_ARGUMENT || !result);
 }
 
 /* ---- progress */
@@ -543,7 +543,7 @@ static void watch_all_calls(int one_ring) {
                     calls = w.calls;
                     assert_true(calls > 0);
                 } else if (stop <= calls) {
-                    assert_true(result == NORMA_CANCELLED || (threads > 1 && result == NORMA_OK));
+                    assert_true(result == NORMA_CANCELLED || (threads > 1 && !result));
                     cancelled += result == NORMA_CANCELLED;
                 }
                 w = (watch){.stop_after = stop};

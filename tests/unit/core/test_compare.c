@@ -509,7 +509,7 @@ static void memory_and_arguments(void **state) {
         accountant account = {.fail_at = n};
         const norma_options options = {.allocator = {accountant_take, accountant_give, &account}};
         norma_result result = norma_compare(&a, &b, &options, samples, 300, NULL);
-        if (result == NORMA_OK) result = norma_compare_summary(samples, 300, 0, &options, &sum);
+        if (!result) result = norma_compare_summary(samples, 300, 0, &options, &sum);
         assert_int_equal(account.live, 0);
         assert_int_equal(account.wrong, 0);
         assert_int_equal(result, account.calls >= n ? NORMA_ERROR_MEMORY : NORMA_OK);

@@ -28,13 +28,13 @@ static void *work(void *user) {
     const norma_vec3_view view = {c->positions, c->mesh->position_count, 0, NORMA_FORMAT_FLOAT};
     norma_result result =
         norma_plan_update(c->plan, view, NULL, 0, &options, c->out, c->mesh->position_count, NULL);
-    for (int step = 0; step < STEPS && result == NORMA_OK; ++step) {
+    for (int step = 0; step < STEPS && !result; ++step) {
         for (size_t i = 0; i < c->moved_count; ++i)
             c->positions[3 * c->moved[i] + 2] += 0.01f * (float)(1 + c->number);
         result = norma_plan_update(c->plan, view, c->moved, c->moved_count, &options, c->out,
             c->mesh->position_count, NULL);
     }
-    return result == NORMA_OK ? NULL : user;
+    return !result ? NULL : user;
 }
 
 static void updates_at_once(void **state) {

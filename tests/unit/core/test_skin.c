@@ -233,7 +233,7 @@ static void by_definition(void **state) {
             const norma_options options = {.isa = (norma_isa)isa};
             const norma_result result =
                 norma_skin_normals(&m.skin, m.in, &options, again[0], count, NULL);
-            if (result != NORMA_OK) continue; /* this machine has it not */
+            if (result) continue; /* this machine has it not */
             assert_memory_equal(first, again, count * sizeof *first);
             assert_ok(norma_skin_positions(&m.skin, m.in, &options, again[0], count));
             assert_memory_equal(moved, again, count * sizeof *moved);
@@ -329,7 +329,7 @@ static void tangents_by_definition(void **state) {
             const norma_options options = {.isa = (norma_isa)isa};
             const norma_result result =
                 norma_skin_tangents(&m.skin, in[0], normals, &options, again[0], count);
-            if (result != NORMA_OK) continue; /* this machine has it not */
+            if (result) continue; /* this machine has it not */
             assert_memory_equal(first, again, count * sizeof *first);
         }
         for (size_t v = 0; v < count; ++v) /* lengths whose squares are no ordinary numbers */

@@ -81,7 +81,7 @@ typedef struct outcome {
 } outcome;
 
 static norma_document_result of_core(norma_result result) {
-    return result == NORMA_OK             ? NORMA_DOCUMENT_OK
+    return !result                        ? NORMA_DOCUMENT_OK
            : result == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY
                                           : NORMA_DOCUMENT_ERROR_ARGUMENT;
 }

@@ -172,7 +172,7 @@ static int allocate(creases *c) {
     const core_prepared_mesh *s = &c->surface;
     const size_t positions = s->mesh.positions.count + 1, corners = s->mesh.corner_count + 1,
                  most = s->corners_of.most + 1;
-    if (norma_core_star_allocate(&c->call, &c->star, most) != NORMA_OK) return 0;
+    if (norma_core_star_allocate(&c->call, &c->star, most)) return 0;
     c->star_room = most;
     c->kinds = calloc(positions, sizeof *c->kinds);
     if (s->mesh.face_starts) return c->kinds != NULL;
@@ -191,11 +191,11 @@ static int allocate(creases *c) {
 /* Of those that doubles do not decide, some may have no direction. */
 static int find_lenders(creases *c, const uint8_t *sure) {
     const core_mesh *mesh = &c->surface.mesh;
-    if (norma_core_watch_for_flat(&c->surface) != NORMA_OK) return 0;
+    if (norma_core_watch_for_flat(&c->surface)) return 0;
     for (size_t corner = 0; corner < mesh->corner_count; ++corner)
         if (!sure[corner / 3])
             norma_core_mark_flat(&c->surface, norma_core_welded_corner(mesh, corner));
-    return norma_core_borrow_directions(&c->surface) == NORMA_OK;
+    return !norma_core_borrow_directions(&c->surface);
 }
 
 static int keep_triangles(creases *c) {
@@ -214,12 +214,9 @@ creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
     const norma_options options = {.weld = weld};
     core_mesh checked;
     creases *c = calloc(1, sizeof *c);
-    if (!c || mesh->hard_edges || mesh->smoothing_groups ||
-        norma_core_begin(&c->call, &options) != NORMA_OK ||
-        norma_core_mesh_shape(mesh, &checked) != NORMA_OK ||
-        norma_core_mesh_content(&c->call, &checked) != NORMA_OK ||
-        norma_core_prepared_mesh_open(&c->call, &checked, CORE_FOR_FANS, 0, &c->surface) !=
-            NORMA_OK) {
+    if (!c || mesh->hard_edges || mesh->smoothing_groups || norma_core_begin(&c->call, &options) ||
+        norma_core_mesh_shape(mesh, &checked) || norma_core_mesh_content(&c->call, &checked) ||
+        norma_core_prepared_mesh_open(&c->call, &checked, CORE_FOR_FANS, 0, &c->surface)) {
         free(c);
         return NULL;
     }

@@ -87,7 +87,7 @@ static int mesh_is_sound(const model_mesh *mesh) {
         normals ? norma_face_normals(&mesh->mesh, NULL, normals, mesh->record->corner_count, NULL)
                 : NORMA_ERROR_MEMORY;
     free(normals);
-    return result == NORMA_OK;
+    return !result;
 }
 
 /* ---- triangles */

@@ -15,7 +15,7 @@ static void copy3(float *to, const float *from) { memcpy(to, from, 3 * sizeof *t
 static norma_result compute_flat(const model_mesh *mesh, const norma_options *options) {
     const norma_result result =
         norma_face_normals(&mesh->mesh, options, mesh->normals, mesh->mesh.corner_count, NULL);
-    if (result != NORMA_OK) return result;
+    if (result) return result;
     const uint32_t *starts = mesh->mesh.face_starts;
     for (size_t face = mesh->record->face_count; face-- > 0;) {
         float normal[3];
