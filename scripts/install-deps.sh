@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
 # Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what the package-lock.json of tests/web, tests/tangent and tests/mcp name, into build/npm-web, build/npm-tangent and build/npm-mcp.
-# The decoders of compressed glTF that page and npm package hold and the page's three.js (web/package-lock.json) come from npm, into build/npm-bundled.
+# The decoders of compressed glTF that page and npm package hold, and the page's three.js and mediabunny (web/package-lock.json), come from npm, into build/npm-bundled.
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built

@@ -66,7 +66,7 @@ for (const [folder, relation] of [["web", "CONTAINED_BY"], ["tests/cli/validator
             name, versionInfo: entry.version, downloadLocation: entry.resolved ?? "NOASSERTION", licenseConcluded: "NOASSERTION", licenseDeclared: entry.license ?? "NOASSERTION",
             checksums: checksum, comment: `${folder}/package-lock.json`,
             externalRefs: [{ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: `pkg:npm/${name.replace("@", "%40")}@${entry.version}` }],
-        }, relation);
+        }, name.startsWith("@types/") && relation === "CONTAINED_BY" ? "DEV_DEPENDENCY_OF" : relation);
     }
 }
 

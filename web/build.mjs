@@ -11,7 +11,7 @@ import { deflateRawSync, deflateSync } from "node:zlib";
 const here = dirname(fileURLToPath(import.meta.url));
 
 /* What the page alone holds. */
-const PAGE_LIBRARIES = { three: { licence: "LICENSE" } };
+const PAGE_LIBRARIES = { mediabunny: { licence: "LICENSE" }, three: { licence: "LICENSE" } };
 /* meshoptimizer in the version of Debian's library: what the page writes are the tool's bytes. */
 const LIBRARIES = {
   draco3dgltf: { licence: join(here, "licences/draco3dgltf.txt"), files: ["draco_decoder_gltf_nodejs.js", "draco_decoder_gltf.wasm"] },

@@ -1555,6 +1555,25 @@ await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to
   await view.close();
 });
 
+/* The times of a WebM's frames in milliseconds (EBML: a segment's clusters, each with its time, and blocks in it). */
+function frameTimes(bytes) {
+  const times = [], MASTERS = [0x18538067, 0x1f43b675, 0xa0];
+  let at = 0, cluster = 0;
+  const number = (mask) => {
+    const length = Math.clz32(bytes[at]) - 23, value = bytes.subarray(at + 1, at + length).reduce((sum, byte) => 256 * sum + byte, mask ? bytes[at] & (0xff >> length) : bytes[at]);
+    at += length;
+    return value;
+  };
+  while (at < bytes.length) {
+    const id = number(false), size = number(true);
+    if (MASTERS.includes(id)) continue;
+    if (id === 0xe7) cluster = bytes.readUIntBE(at, size);
+    if (id === 0xa1 || id === 0xa3) times.push(cluster + bytes.readInt16BE(at + 1));
+    at += size;
+  }
+  return times;
+}
+
 await attempt("a turntable: WebM of some seconds in which the model turns and the line sweeps; camera and line are then where they were", async () => {
   const view = await visit(home), state = () => view.evaluate("[document.getElementById('split').value, location.hash].join()");
   await view.set("split", 30);
@@ -1563,10 +1582,12 @@ await attempt("a turntable: WebM of some seconds in which the model turns and th
   const before = await state();
   await view.evaluate("document.getElementById('save-turntable').click(); globalThis.watch = setInterval(() => splits.add(document.getElementById('split').value), 50)");
   expect(/^Recording, \d+ %$/.test(await view.until("document.getElementById('save-turntable').disabled && document.getElementById('save-turntable').textContent", 10)), await view.text("save-turntable"));
-  await view.until("saved.length === 2", 60);
+  await view.until("saved.length === 2", 120);
   const film = await view.evaluate("saved[0].arrayBuffer().then((buffer) => ({ name: saved[1], head: Array.from(new Uint8Array(buffer, 0, 4)), size: buffer.byteLength, type: saved[0].type, splits: splits.size, bytes: btoa(Array.from(new Uint8Array(buffer), (x) => String.fromCharCode(x)).join('')) }))");
-  writeFileSync(join(shots, "turntable.webm"), Buffer.from(film.bytes, "base64"));
+  const bytes = Buffer.from(film.bytes, "base64"), times = frameTimes(bytes);
+  writeFileSync(join(shots, "turntable.webm"), bytes);
   delete film.bytes;
+  expect(times.length === 200 && times.every((time, i) => time === 40 * i), `eight seconds are 200 frames, 40 ms apart, not ${times.length}: ${times.slice(0, 5)} ... ${times.slice(-3)}`);
   expect(film.name === "norma.webm" && film.head.join() === "26,69,223,163" && film.size > 50000 && film.type.startsWith("video/webm"), JSON.stringify(film));
   expect(film.splits > 5, `the line stood at ${film.splits} places`);
   await view.settled();

@@ -1,4 +1,5 @@
-/* The stage as a PNG to keep: what is drawn, on the page's paper, with the words above its halves. */
+/* The stage as a PNG to keep: what is drawn, on the page's paper, with the words above its halves; and a film of it. */
+import { BufferTarget, CanvasSource, getFirstEncodableVideoCodec, Output, WebMOutputFormat } from "mediabunny";
 
 const paperOf = () => getComputedStyle(document.documentElement).getPropertyValue("--paper").trim() || "#fff";
 const inkOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -42,33 +43,30 @@ export function savePicture(canvas, shown) {
   copy.toBlob((blob) => download(blob, "norma.png"));
 }
 
-/* ---- a turntable: once round the model in so many seconds, as WebM */
-const SECONDS = 8, RATE = 25;
+/* ---- a turntable: once round the model in so many seconds, as WebM. Frames carry their own times, so that the film is whole however slowly it is drawn and encoded. */
+const SECONDS = 8, RATE = 25, FRAMES = SECONDS * RATE;
 
 /* turnTo(part): draws the model turned by this part of a whole turn. progress(part): how far it is; 1 at the end. A promise, kept when the film has been handed to the browser. */
 export async function saveTurntable(canvas, shown, turnTo, progress) {
-  const copy = copyOf(canvas), kind = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find((one) => globalThis.MediaRecorder?.isTypeSupported(one));
-  if (!kind || !copy.captureStream) throw new Error("This browser records no WebM; save single pictures instead.");
-  const recorder = new MediaRecorder(copy.captureStream(RATE), { mimeType: kind, videoBitsPerSecond: 8e6 }), parts = [];
-  const ended = new Promise((done, fail) => {
-    recorder.ondataavailable = ({ data }) => parts.push(data);
-    recorder.onstop = done;
-    recorder.onerror = ({ error }) => fail(error);
-  });
-  const begin = performance.now(), partNow = () => (performance.now() - begin) / (1000 * SECONDS);
-  recorder.start();
+  progress(0);
+  const copy = copyOf({ width: canvas.width & ~1, height: canvas.height & ~1 }), codec = await getFirstEncodableVideoCodec(["vp9", "vp8"], copy);
+  if (!codec) throw new Error("This browser encodes no WebM here; save single pictures instead.");
+  const film = new Output({ format: new WebMOutputFormat(), target: new BufferTarget() }), frames = new CanvasSource(copy, { codec, bitrate: 8e6 });
+  film.addVideoTrack(frames, { frameRate: RATE });
+  await film.start();
   try {
-    for (let part = 0; part < 1; part = partNow()) {
-      turnTo(part);
+    for (let frame = 0; frame < FRAMES; ++frame) {
+      turnTo(frame / FRAMES);
       compose(copy, canvas, ...shown());
-      progress(part);
-      await new Promise((next) => setTimeout(next, 1000 / RATE));
+      await frames.add(frame / RATE, 1 / RATE);
+      progress(frame / FRAMES);
+      await new Promise((next) => setTimeout(next));
     }
-  } finally {
-    recorder.stop();
-    recorder.stream.getTracks().forEach((track) => track.stop());
+    await film.finalize();
+  } catch (error) {
+    await film.cancel();
+    throw error;
   }
-  await ended;
   progress(1);
-  download(new Blob(parts, { type: kind }), "norma.webm");
+  download(new Blob([film.target.buffer], { type: "video/webm" }), "norma.webm");
 }
