@@ -48,9 +48,9 @@ if [ "$status" = 3 ] && [ ! -s piped ]; then pass "standard output is refused in
 
 # check, part by part: what the rules that need no neighbours find in the whole file.
 meshes=$root/tests/cli/large_meshes.py
-expected_rules=(ply "N101 N102 N103 N401 N402" ply-double-scattered "N101 N102 N103 N401 N402" ply-big-bare "N104 N401 N402" ply-byte "N102 N103 N401 N402 N702"
-    ply-quads-scattered "N101 N102 N103 N401 N402 N404 N404 N405" ply-quads-first "N101 N102 N103 N401 N402 N404 N404 N405" stl-leaning "N101 N205 N401 N402"
-    ply-far "N101 N102 N103 N401 N402 N701" stl-far "N101 N205 N401 N402 N701")
+expected_rules=(ply "N002 N101 N102 N103 N401 N402" ply-double-scattered "N002 N101 N102 N103 N401 N402" ply-big-bare "N002 N104 N401 N402" ply-byte "N002 N102 N103 N401 N402 N702"
+    ply-quads-scattered "N002 N101 N102 N103 N401 N402 N404 N404 N405" ply-quads-first "N002 N101 N102 N103 N401 N402 N404 N404 N405" stl-leaning "N002 N101 N205 N401 N402"
+    ply-far "N002 N101 N102 N103 N401 N402 N701" stl-far "N002 N101 N205 N401 N402 N701")
 for ((i = 0; i < ${#expected_rules[@]}; i += 2)); do
     kind=${expected_rules[i]}
     file=$kind.${kind%%-*}
@@ -126,7 +126,8 @@ in_parts() { # NAME STATUS ARGUMENTS...
 }
 in_parts "check in parts is no pass" 1 ply-big-bare.ply --fail-on warning
 check "and counts as not checked" grep -q '1 not checked' report
-in_parts "rules that need no neighbours are all there is to it" 0 ply-big-bare.ply --select N1,N401 --fail-on warning
+./make_meshes ply 200000 sound.ply # those above have faces whose positions are NaN
+in_parts "rules that need no neighbours are all there is to it" 0 sound.ply --select N1,N401 --fail-on warning
 check "and nothing is left unchecked" sh -c '! grep -q "not checked" report'
 in_parts "--fix is refused in parts" 3 ply.ply --fix -o fixed.ply
 check "with a reason" grep -q 'fixing needs the whole file' said

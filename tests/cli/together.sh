@@ -74,14 +74,14 @@ make twice twice
 "$norma" compute halves.glb -o whole.glb --together --crease 20 --quiet
 check "creases through two nodes, one mirrored and stretched" make corners 1e-6 whole.glb -- alone.ply
 make steps steps
-expect 3 "with creases, a mesh that needs other normals at another node is refused" "transform --bake first" "$norma" compute steps.glb -o no.glb --together --crease 60
+expect 3 "with creases, a mesh that needs other normals at another node is refused" "transform --bake gives" "$norma" compute steps.glb -o no.glb --together --crease 60
 check "it is not refused where the edge between them is hard" "$norma" compute steps.glb -o steps-hard.glb --together --crease 30 --quiet
-expect 3 "a mesh that needs other normals at another node is refused" "transform --bake first" "$norma" compute twice.glb -o no.glb --together
+expect 3 "a mesh that needs other normals at another node is refused" "transform --bake gives" "$norma" compute twice.glb -o no.glb --together
 mkdir -p failing/below kept
 cp twice.glb failing/below/
-expect 3 "and into a folder" "transform --bake first" "$norma" compute failing --together --out-dir no.folder
+expect 3 "and into a folder" "transform --bake gives" "$norma" compute failing --together --out-dir no.folder
 check "a run that fails leaves no folder that it made" bash -c '[ ! -e no.folder ]'
-expect 3 "and into a folder that is there" "transform --bake first" "$norma" compute twice.glb --together --out-dir kept
+expect 3 "and into a folder that is there" "transform --bake gives" "$norma" compute twice.glb --together --out-dir kept
 check "a folder that was there stays" bash -c '[ -d kept ]'
 check "nothing was written" test ! -e no.glb
 "$norma" transform twice.glb --bake -o baked.glb --quiet
