@@ -17,20 +17,25 @@ export function viewOf(pose, aspect, reach) {
 /* what(finding) gives { scene, items, place, whole, up, paper, look, pins } for a finding of the model that is shown, or null; isIdle(): whether there is time for it. */
 export function makeThumbs(graphics, remote, what, isIdle) {
   let waiting = [], working = false;
-  const untilIdle = async () => { while (!isIdle()) await pause(); };
+  /* Another model may be shown by then, and what belongs to this one be gone. */
+  const untilIdle = async (canvas) => {
+    while (!isIdle()) await pause();
+    if (!canvas.isConnected) throw new Error("nobody sees this picture any more");
+  };
   const make = async ({ finding, canvas }) => {
     const seen = await what(finding), aspect = WIDTH / HEIGHT;
     if (!seen || !canvas.isConnected) return;
     const { scene, items, place, whole, up, paper, look, pins } = seen, surface = scene.surfaces[finding.mesh];
     if (!whole) {
-      await graphics.fillMarks(surface, "trial", await remote.markOf(scene.model.number, finding.mesh, finding.index));
+      const marks = await remote.markOf(scene.model.number, finding.mesh, finding.index);
+      await untilIdle(canvas);
+      await graphics.fillMarks(surface, "trial", marks);
     }
     const best = place ? await seek(posesOf(place, up).slice(0, MOST_TRIED), async (poses, through) => {
-      await untilIdle();      /* somebody may have pressed one meanwhile, and waits for its picture */
+      await untilIdle(canvas);      /* somebody may have pressed one meanwhile, and waits for its picture */
       return graphics.countMarked(items, poses.map((pose) => viewOf(pose, aspect, 2.2)), aspect, through, "trial");
     }) : { pose: whole, faint: false, pinned: false };
-    await untilIdle();
-    if (!canvas.isConnected) return;
+    await untilIdle(canvas);
     const view = viewOf(best.pose, aspect, 2.2), pixels = await graphics.drawSmall(items, view, WIDTH, HEIGHT, [...paper, 1], { ...look, through: best.faint }, () => { if (best.pinned) pins(view); });
     for (const one of scene.surfaces) if (one.trial) { graphics.gl.deleteBuffer(one.trial); one.trial = null; }
     if (!canvas.isConnected) return;
@@ -44,9 +49,8 @@ export function makeThumbs(graphics, remote, what, isIdle) {
   const work = async () => {
     working = true;
     for (; waiting.length; await pause()) {
-      await untilIdle();
       const next = waiting.shift();
-      if (next?.canvas.isConnected) await make(next).catch(() => undefined);      /* the button says it in words */
+      await untilIdle(next.canvas).then(() => make(next)).catch(() => undefined);      /* the button says it in words */
     }
     working = false;
   };
