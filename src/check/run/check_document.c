@@ -111,7 +111,7 @@ static check_change check_compare(const norma_check_mesh *a, const norma_check_m
 
 /* ---- what is not looked at again */
 
-/* Takes from rules those to which it makes no difference; N002 is told again by whoever told it. */
+/* Takes from rules those to which it makes no difference; whoever reported N002 does so again. */
 static void check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change) {
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
         if (rule != RULE_N002 && (change == CHECK_SAME || (change == CHECK_SAME_SURFACE &&
@@ -280,12 +280,13 @@ static norma_document_result tell_place_unread(
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
-/* It has no vertices; or no normals, and no face whose positions are points. */
+/* It has no vertices; or no normals, and no face whose positions are points: that finding alone of
+ * N002 names faces. */
 static int is_unchecked(const document_check *d, const norma_mesh_info *info) {
     for (size_t i = 0; info->normals == NORMA_NORMALS_NONE && i < d->run.findings->count; ++i) {
         const norma_finding *finding = norma_findings_get(d->run.findings, i);
-        if (finding->rule == &norma_rules(NULL)[RULE_N002] && finding->count == info->faces &&
-            strcmp(finding->where, info->where) == 0)
+        if (finding->rule == &norma_rules(NULL)[RULE_N002] && finding->worst.face != SIZE_MAX &&
+            finding->count == info->faces && strcmp(finding->where, info->where) == 0)
             return 1;
     }
     return info->vertices == 0;

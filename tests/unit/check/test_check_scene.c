@@ -914,6 +914,18 @@ static void test_faces_nowhere(void **state) {
         {"N002", "", W, 1, NAN, "f0"});
     FOUND(check(scene_reopen((const unsigned char *)normals, sizeof normals - 1, "a.obj"), "N002"),
         {"N002", "", W, 1, NAN, "f0"});
+    /* As many as there are faces, and not about them: tangents without data. */
+    static const char tangents[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:"
+        "application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
+        "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"buffer"
+        "View\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\""
+        "max\":[1,1,0]},{\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}],\"meshes\""
+        ":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TANGENT\":1}}]}],\"nodes\":"
+        "[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}";
+    FOUND(
+        check(scene_reopen((const unsigned char *)tangents, sizeof tangents - 1, "a.gltf"), "N002"),
+        {"N002", "/meshes/0/primitives/0", W, 1, NAN, ""});
 }
 
 /* The message tells vertices that no face uses from those of degenerate faces. */
