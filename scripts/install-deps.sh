@@ -93,6 +93,8 @@ from_npm() {
         fi
     fi
 }
+# A folder that has been built with the page keeps it up to date, so plain make may need what the list names anew.
+[ ! -e "$root/build/npm-bundled/installed-lock.json" ] || packages="$packages wasi-libc"
 case " $packages " in *" wasi-libc "*) from_npm web "$root/build/npm-bundled" ;; esac
 if [ "$what" = engines ]; then
     from_npm tests/engines "$root/build/npm-engines"
