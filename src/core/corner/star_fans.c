@@ -405,52 +405,21 @@ static int core_join_crowded_edge(
 
 /* ---- a face without a direction borrows that of the face it shares its longest edge with. */
 
-typedef struct face_edge {
-    uint32_t corner; /* at which it begins */
-    double from[3], to[3], square;
-} face_edge;
-
-static face_edge load_edge(const core_mesh *mesh, size_t face, size_t corner) {
-    face_edge e = {.corner = (uint32_t)corner};
-    double along[3];
-    norma_core_position(mesh, norma_core_corner(mesh, corner), e.from);
-    norma_core_position(
-        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, face, corner)), e.to);
-    norma_core_subtract(e.to, e.from, along);
-    e.square = norma_core_dot(along, along);
-    return e;
-}
-
-/* |from - to|^2 = from^2 - 2 from to + to^2 */
-static void add_square(exact_sum *sum, const face_edge *e, int negative) {
-    for (int k = 0; k < 3; ++k) {
-        norma_exact_add(sum, (const double[]){e->from[k], e->from[k]}, 2, negative);
-        norma_exact_add(sum, (const double[]){e->to[k], e->to[k]}, 2, negative);
-        norma_exact_add(sum, (const double[]){2, e->from[k], e->to[k]}, 3, !negative);
-    }
-}
-
-/* Exactly, where rounded squares are too near each other to tell. */
-static int is_longer(const face_edge *a, const face_edge *b) {
-    const double difference = a->square - b->square, sum = a->square + b->square;
-    if (fabs(difference) > 0x1p-48 * sum && sum > NORMA_TINIEST && sum < NORMA_HUGEST)
-        return difference > 0;
-    exact_sum exact;
-    norma_exact_clear(&exact);
-    add_square(&exact, a, 0);
-    add_square(&exact, b, 1);
-    return norma_exact_round(&exact).mantissa > 0;
-}
-
 /* The corner at which the face's longest edge begins; ties: the first one's. */
 static uint32_t core_longest_edge(const core_mesh *mesh, size_t face) {
-    face_edge longest = {.corner = UINT32_MAX};
+    core_segment longest = {.square = 0}, side;
+    uint32_t at = UINT32_MAX;
     for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); ++c) {
         if (!norma_core_is_kept(mesh, face, c)) continue;
-        const face_edge e = load_edge(mesh, face, c);
-        if (longest.corner == UINT32_MAX || is_longer(&e, &longest)) longest = e;
+        const size_t next = norma_core_next_kept(mesh, face, c);
+        norma_core_position(mesh, norma_core_corner(mesh, c), side.from);
+        norma_core_position(mesh, norma_core_corner(mesh, next), side.to);
+        norma_core_measure_segment(&side);
+        if (at != UINT32_MAX && norma_core_compare_lengths(&side, &longest) <= 0) continue;
+        longest = side;
+        at = (uint32_t)c;
     }
-    return longest.corner;
+    return at;
 }
 
 /* The one face that shares the edge with a flat face, if it has a direction of its own. */
