@@ -140,31 +140,36 @@ void norma_core_kdtree_release(const core_call *call, core_kdtree *tree) {
     tree->boxes = NULL;
 }
 
+/* A squared distance that doubles say is longer, by more than what they lose. */
+static int is_surely_farther(double square, double than) {
+    return square > NORMA_TINIEST && square > (1 + 0x1p-48) * than;
+}
+
 typedef struct nearest_search {
     const core_kdtree *tree;
-    core_box from;   /* the point asked for */
-    double distance; /* squared, of the best so far */
-    uint32_t best;   /* UINT32_MAX: none yet */
+    core_box from;     /* the point asked for */
+    core_segment best; /* from there to the best site so far */
+    uint32_t site;     /* that one; UINT32_MAX: none yet */
 } nearest_search;
 
 static void try_site(nearest_search *search, uint32_t site) {
-    core_box at;
-    norma_core_position(search->tree->mesh, site, at.low);
-    memcpy(at.high, at.low, sizeof at.high);
-    const double distance = norma_core_box_least(&at, &search->from);
-    if (search->best != UINT32_MAX) {
-        const int ties = distance == search->distance &&
-                         rank_of(search->tree, site) < rank_of(search->tree, search->best);
-        if (!(distance < search->distance) && !ties) return;
+    core_segment to = search->best;
+    norma_core_position(search->tree->mesh, site, to.to);
+    norma_core_measure_segment(&to);
+    if (search->site != UINT32_MAX) {
+        const int longer = norma_core_compare_lengths(&to, &search->best);
+        if (longer > 0 ||
+            (!longer && rank_of(search->tree, site) > rank_of(search->tree, search->site)))
+            return;
     }
-    search->distance = distance;
-    search->best = site;
+    search->best = to;
+    search->site = site;
 }
 
 static void search_node(nearest_search *search, size_t node, size_t begin, size_t end) {
     const core_box *boxes = search->tree->boxes;
-    if (search->best != UINT32_MAX &&
-        norma_core_box_least(&boxes[node], &search->from) > search->distance)
+    if (search->site != UINT32_MAX &&
+        is_surely_farther(norma_core_box_least(&boxes[node], &search->from), search->best.square))
         return;
     if (is_point(&boxes[node])) {
         try_site(search, search->tree->sites[begin]);
@@ -183,11 +188,12 @@ static void search_node(nearest_search *search, size_t node, size_t begin, size_
 }
 
 uint32_t norma_core_kdtree_nearest(const core_kdtree *tree, const double point[3]) {
-    nearest_search search = {.tree = tree, .best = UINT32_MAX};
+    nearest_search search = {.tree = tree, .site = UINT32_MAX};
     memcpy(search.from.low, point, sizeof search.from.low);
     memcpy(search.from.high, point, sizeof search.from.high);
+    memcpy(search.best.from, point, sizeof search.best.from);
     search_node(&search, 0, 0, tree->count);
-    return search.best;
+    return search.site;
 }
 
 /* ---- few askers look at every site, many get a tree. Both give the same answer. */
@@ -236,14 +242,15 @@ void norma_core_nearest_end(core_nearest *nearest) {
 
 static uint32_t look_at_every_site(const core_nearest *nearest, const double point[3]) {
     uint32_t best = UINT32_MAX;
-    double least = 0;
+    core_segment least = {.square = 0}, to;
+    memcpy(to.from, point, sizeof to.from);
     for (size_t i = 0; i < nearest->site_count; ++i) {
-        double p[3], sum = 0;
-        norma_core_position(nearest->mesh, nearest->sites[i], p);
-        for (int k = 0; k < 3; ++k) sum += (p[k] - point[k]) * (p[k] - point[k]);
         const uint32_t element = nearest->first_at[nearest->sites[i]];
-        if (best != UINT32_MAX && !(sum < least || (sum == least && element < best))) continue;
-        least = sum;
+        norma_core_position(nearest->mesh, nearest->sites[i], to.to);
+        norma_core_measure_segment(&to);
+        const int longer = best == UINT32_MAX ? -1 : norma_core_compare_lengths(&to, &least);
+        if (longer > 0 || (!longer && element > best)) continue;
+        least = to;
         best = element;
     }
     return best;

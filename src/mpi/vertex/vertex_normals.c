@@ -89,8 +89,8 @@ typedef struct query {
 } query;
 
 typedef struct found {
-    double distance; /* squared; negative: nobody has a normal */
-    uint64_t id;
+    core_segment to; /* from the point that asks */
+    uint64_t id;     /* UINT64_MAX: nobody has a normal */
     float normal[3], unused;
 } found;
 
@@ -144,21 +144,22 @@ static void close_sites(sites *s) {
 
 /* ---- the nearest here */
 
-static double mpi_squared_distance(const sites *s, uint32_t v, const double point[3]) {
-    double p[3], sum = 0;
-    norma_core_position(&s->mesh, v, p);
-    for (int k = 0; k < 3; ++k) sum += (p[k] - point[k]) * (p[k] - point[k]);
-    return sum;
+static void mpi_reach(const sites *s, uint32_t v, core_segment *to) {
+    norma_core_position(&s->mesh, v, to->to);
+    norma_core_measure_segment(to);
 }
 
 /* Sites are in ascending number, so the first of the nearest is that of the least. */
 static uint32_t mpi_look_at_every_site(const sites *s, const double point[3]) {
     uint32_t best = s->sites[0];
-    double least = mpi_squared_distance(s, best, point);
+    core_segment least, to;
+    memcpy(to.from, point, sizeof to.from);
+    mpi_reach(s, best, &to);
+    least = to;
     for (size_t i = 1; i < s->count; ++i) {
-        const double distance = mpi_squared_distance(s, s->sites[i], point);
-        if (!(distance < least)) continue;
-        least = distance;
+        mpi_reach(s, s->sites[i], &to);
+        if (norma_core_compare_lengths(&to, &least) >= 0) continue;
+        least = to;
         best = s->sites[i];
     }
     return best;
@@ -173,23 +174,28 @@ static uint32_t first_site(const sites *s) {
     return first;
 }
 
-/* For a point that is not finite: the first of all. */
+/* For a point that is not finite: the first of all, as far from it as any. */
 static found find_here(const sites *s, uint32_t first, const query *q) {
-    found f = {.distance = -1, .id = UINT64_MAX};
+    found f = {.id = UINT64_MAX};
     if (!s->count) return f;
     const int finite = norma_core_finite(q->point);
     const uint32_t v = !finite      ? first
                        : s->planted ? norma_core_kdtree_nearest(&s->tree, q->point)
                                     : mpi_look_at_every_site(s, q->point);
-    f.distance = finite ? mpi_squared_distance(s, v, q->point) : 0;
+    memcpy(f.to.from, q->point, sizeof f.to.from);
+    if (finite)
+        mpi_reach(s, v, &f.to);
+    else
+        memset(&f.to, 0, sizeof f.to);
     f.id = s->part->vertex_ids[v];
     memcpy(f.normal, s->part->output.normals + v * s->part->output.stride, sizeof f.normal);
     return f;
 }
 
 static int is_nearer(const found *a, const found *b) {
-    if (a->distance < 0 || b->distance < 0) return b->distance < 0 && a->distance >= 0;
-    return a->distance < b->distance || (a->distance == b->distance && a->id < b->id);
+    if (a->id == UINT64_MAX || b->id == UINT64_MAX) return a->id < b->id;
+    const int longer = norma_core_compare_lengths(&a->to, &b->to);
+    return longer < 0 || (!longer && a->id < b->id);
 }
 
 /* As MPI_User_function asks for it. */
@@ -252,7 +258,7 @@ static int ask_some(asking *a) {
     for (int i = 0; i < mine; ++i) {
         const found *f = &a->found[a->starts[call->rank] + i];
         const float none[3] = {0, 0, 0};
-        norma_core_write_normal(output, a->askers[i], f->distance < 0 ? none : f->normal);
+        norma_core_write_normal(output, a->askers[i], f->id == UINT64_MAX ? none : f->normal);
     }
     return all;
 }

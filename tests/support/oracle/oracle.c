@@ -370,12 +370,6 @@ static int compare_distances(const double here[3], const double a[3], const doub
     return order;
 }
 
-int oracle_nearly_nearest(const oracle *o, size_t vertex, size_t nearest, size_t other) {
-    const double *here = o->positions[vertex], *a = o->positions[nearest], *b = o->positions[other];
-    return oracle_finite(here) && oracle_finite(b) && compare_distances(here, a, b) < 0 &&
-           rough_distance(here, b) <= rough_distance(here, a) * (1 + 0x1p-48L);
-}
-
 size_t oracle_nearest(
     const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element) {
     const size_t vertex = vertices[element];

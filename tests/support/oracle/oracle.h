@@ -95,8 +95,6 @@ size_t oracle_fans_of(
  * element, or NONE. positions: of each element its vertex. */
 size_t oracle_nearest(
     const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element);
-/* Whether another vertex is farther by no more than doubles can miss. */
-int oracle_nearly_nearest(const oracle *o, size_t vertex, size_t nearest, size_t other);
 
 long double oracle_angle(const long double a[3], const long double b[3]);
 int oracle_finite(const double p[3]);
