@@ -26,6 +26,44 @@ norma_result norma_check_blocks(
     return norma_core_parallel(call, norma_check_block_count(count, size), run_block, &loop);
 }
 
+typedef struct gathering {
+    check_look *look;
+    const void *pass;
+    check_sum *parts;
+} gathering;
+
+static void look_at_block(void *context, size_t block, size_t begin, size_t end) {
+    const gathering *g = context;
+    g->look(g->pass, &g->parts[block], begin, end);
+}
+
+void norma_check_sum_merge(const check_run *run, check_sum *sum, check_sum *part) {
+    for (size_t i = 0; i < CHECK_SUM_HITS; ++i)
+        norma_check_hits_merge(run, &sum->hits[i], &part->hits[i]);
+    for (size_t i = 0; i < CHECK_SUM_COUNTS; ++i) sum->counts[i] += part->counts[i];
+    sum->twice_area += part->twice_area;
+}
+
+norma_result norma_check_gather(
+    check_run *run, size_t count, size_t size, check_look *look, const void *pass, check_sum *sum) {
+    const size_t blocks = norma_check_block_count(count, size);
+    if (!blocks) return NORMA_OK;
+    gathering g = {look, pass, norma_core_allocate(&run->call, blocks, sizeof *g.parts)};
+    if (!g.parts) return NORMA_ERROR_MEMORY;
+    memset(g.parts, 0, blocks * sizeof *g.parts);
+    for (size_t i = 0; i < blocks * CHECK_SUM_HITS; ++i)
+        g.parts[i / CHECK_SUM_HITS].hits[i % CHECK_SUM_HITS].least =
+            sum->hits[i % CHECK_SUM_HITS].least;
+    const norma_result result = norma_check_blocks(&run->call, count, size, look_at_block, &g);
+    for (size_t i = 0; i < blocks; ++i) norma_check_sum_merge(run, sum, &g.parts[i]);
+    norma_core_release(&run->call, g.parts, blocks, sizeof *g.parts);
+    return result;
+}
+
+void norma_check_sum_free(check_sum *sum) {
+    for (size_t i = 0; i < CHECK_SUM_HITS; ++i) norma_check_hits_free(&sum->hits[i]);
+}
+
 /* ---- shared geometry */
 
 norma_result norma_check_weld(check_mesh *m) {

@@ -40,6 +40,15 @@ typedef struct check_hits {
     int failed; /* out of memory: told by norma_check_add */
 } check_hits;
 
+/* What a pass over elements sums up: places that were hit, counts, an area. Zero-initialised, but
+ * for what is least; each rule says what it keeps where. */
+enum { CHECK_SUM_HITS = 4, CHECK_SUM_COUNTS = 3 };
+typedef struct check_sum {
+    check_hits hits[CHECK_SUM_HITS];
+    size_t counts[CHECK_SUM_COUNTS];
+    double twice_area;
+} check_sum;
+
 typedef struct check_member check_member;             /* rules/seams.c */
 typedef struct check_solid_member check_solid_member; /* rules/solids.c */
 
@@ -283,6 +292,12 @@ norma_result norma_check_blocks(
 static inline size_t norma_check_block_count(size_t count, size_t size) {
     return count / size + (count % size != 0);
 }
+/* Adds to sum what look adds to a part for each block of elements. */
+typedef void check_look(const void *pass, check_sum *part, size_t begin, size_t end);
+norma_result norma_check_gather(
+    check_run *run, size_t count, size_t size, check_look *look, const void *pass, check_sum *sum);
+void norma_check_sum_merge(const check_run *run, check_sum *sum, check_sum *part); /* empties it */
+void norma_check_sum_free(check_sum *sum);
 
 /* Of an ascending list the place of the last number that is no greater; 0: the first is. */
 size_t norma_check_last_at(const uint32_t *sorted, size_t count, size_t number);

@@ -49,9 +49,10 @@ typedef struct conflict_list {
     int failed;
 } conflict_list;
 
+enum { MANY_FACES, BOW_TIES, DUPLICATES }; /* hits; the area is that of the duplicates */
+
 typedef struct edge_part {
-    check_hits many, bow_ties, duplicates;
-    double duplicate_area;          /* twice */
+    check_sum sum;
     conflict_list conflicts, pairs; /* pairs: of faces back to back */
 } edge_part;
 
@@ -117,15 +118,15 @@ static void see_edge(
     if (count <= 2 || !norma_check_wants(m, RULE_N303)) return;
     const size_t kept = gather_faces(m, runs, count, directed);
     if (kept <= 2 || (kept <= MOST_RUNS && twins_explain(&m->topology, directed, kept))) return;
-    norma_check_hit(m->run, &part->many, (double)kept,
+    norma_check_hit(m->run, &part->sum.hits[MANY_FACES], (double)kept,
         (check_spot){
             position, norma_core_topology_face(&m->topology, directed[0].corner), SIZE_MAX});
 }
 
 static void see_bow_tie(void *context, size_t block, uint32_t position, size_t fans) {
     const edge_pass *pass = context;
-    norma_check_hit(
-        pass->m->run, &pass->parts[block].bow_ties, (double)fans, norma_check_vertex(position));
+    norma_check_hit(pass->m->run, &pass->parts[block].sum.hits[BOW_TIES], (double)fans,
+        norma_check_vertex(position));
 }
 
 static void see_twins(void *context, size_t block, const core_twin *twins, size_t count) {
@@ -134,9 +135,9 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
     size_t ways[2] = {0, 0};
     for (size_t i = 0; i < count; ++i)
         if (ways[twins[i].way]++) {
-            norma_check_hit(
-                pass->m->run, &part->duplicates, (double)count, norma_check_face(twins[i].face));
-            part->duplicate_area += norma_check_twice_area(pass->m, twins[i].face);
+            norma_check_hit(pass->m->run, &part->sum.hits[DUPLICATES], (double)count,
+                norma_check_face(twins[i].face));
+            part->sum.twice_area += norma_check_twice_area(pass->m, twins[i].face);
         }
     size_t pairs = ways[0] < ways[1] ? ways[0] : ways[1], told = 0;
     if (!norma_check_directed(&pass->m->faces[twins[0].face])) return; /* nor have its twins */
@@ -285,10 +286,10 @@ static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t 
 
 /* ---- N303, N305, N306 */
 
-static norma_result add_many(check_mesh *m, edge_part *sum) {
+static norma_result add_many(check_mesh *m, check_hits *many, check_hits *bow_ties) {
     char message[CHECK_MESSAGE];
-    size_t edges = sum->many.count, ties = sum->bow_ties.count;
-    norma_check_hits_merge(m->run, &sum->many, &sum->bow_ties);
+    const size_t edges = many->count, ties = bow_ties->count;
+    norma_check_hits_merge(m->run, many, bow_ties);
     if (edges && ties)
         norma_check_message(message,
             "more than two faces meet at %z edge%s, and parts touch only in a point at %z %s",
@@ -307,7 +308,7 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
         &(check_finding){.rule = RULE_N303,
             .severity = severity,
             .unit = edges ? "faces" : "fans",
-            .hits = &sum->many,
+            .hits = many,
             .message = message});
 }
 
@@ -333,14 +334,11 @@ static norma_result add_pairs(check_mesh *m, const edge_part *parts, size_t bloc
 }
 
 static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t blocks) {
-    edge_part sum = {.duplicate_area = 0};
+    check_sum sum = {.twice_area = 0};
     size_t conflicts = 0, pairs = 0;
     int failed = 0;
     for (size_t i = 0; i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &sum.many, &parts[i].many);
-        norma_check_hits_merge(m->run, &sum.bow_ties, &parts[i].bow_ties);
-        norma_check_hits_merge(m->run, &sum.duplicates, &parts[i].duplicates);
-        sum.duplicate_area += parts[i].duplicate_area;
+        norma_check_sum_merge(m->run, &sum, &parts[i].sum);
         failed |= parts[i].conflicts.failed | parts[i].pairs.failed;
         pairs += parts[i].pairs.count;
         conflicts += parts[i].conflicts.count;
@@ -348,15 +346,13 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
     norma_result result = failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && conflicts && norma_check_wants(m, RULE_N301) && !m->siblings)
         result = add_conflicts(m, parts, blocks);
-    if (!result && sum.many.count + sum.bow_ties.count && norma_check_wants(m, RULE_N303))
-        result = add_many(m, &sum);
-    if (!result && sum.duplicates.count && norma_check_wants(m, RULE_N305))
-        result = add_duplicates(m, &sum.duplicates, sum.duplicate_area);
+    if (!result && norma_check_wants(m, RULE_N303))
+        result = add_many(m, &sum.hits[MANY_FACES], &sum.hits[BOW_TIES]);
+    if (!result && sum.hits[DUPLICATES].count && norma_check_wants(m, RULE_N305))
+        result = add_duplicates(m, &sum.hits[DUPLICATES], sum.twice_area);
     if (!result && pairs && norma_check_wants(m, RULE_N306))
         result = add_pairs(m, parts, blocks, pairs);
-    norma_check_hits_free(&sum.many);
-    norma_check_hits_free(&sum.bow_ties);
-    norma_check_hits_free(&sum.duplicates);
+    norma_check_sum_free(&sum);
     return result;
 }
 
@@ -366,9 +362,7 @@ static void free_parts(const check_mesh *m, edge_part *parts, size_t blocks) {
     for (size_t i = 0; parts && i < blocks; ++i) {
         free(parts[i].conflicts.each);
         free(parts[i].pairs.each);
-        norma_check_hits_free(&parts[i].many);
-        norma_check_hits_free(&parts[i].bow_ties);
-        norma_check_hits_free(&parts[i].duplicates);
+        norma_check_sum_free(&parts[i].sum);
     }
     norma_core_release(&m->run->call, parts, blocks, sizeof *parts);
 }

@@ -14,15 +14,11 @@ static const double ACROSS = 1e-6; /* a normal along its face, up to rounding, o
 
 #define FAR_COSINE 0.25881904510252074 /* of 75 degrees */
 
-typedef struct facing_part {
-    double opposed_area; /* twice */
-    size_t opposed, far;
-} facing_part;
+enum { OPPOSED_FACES, FAR_CORNERS }; /* counts; the area is that of the faces */
 
 typedef struct facing_pass {
     const check_mesh *m;
     double across;
-    facing_part *parts;
 } facing_pass;
 
 /* The greatest over the face's corners; NaN: a normal there has no direction. far:
@@ -44,45 +40,37 @@ static double check_greatest_cosine(const check_mesh *m, size_t face, size_t *fa
     return whole ? greatest : NAN;
 }
 
-static void judge_opposed(void *context, size_t block, size_t begin, size_t end) {
+static void judge_opposed(const void *context, check_sum *part, size_t begin, size_t end) {
     const facing_pass *pass = context;
     const check_mesh *m = pass->m;
-    facing_part *part = &pass->parts[block];
     for (size_t f = begin; f < end; ++f) {
         m->opposed[f] = 0;
         if (!norma_check_directed(&m->faces[f]) || norma_check_is_sliver(&m->faces[f])) continue;
-        const double greatest = check_greatest_cosine(m, f, &part->far);
+        const double greatest = check_greatest_cosine(m, f, &part->counts[FAR_CORNERS]);
         if (!(greatest < -pass->across) || greatest < -1.5) continue;
         m->opposed[f] = 1;
-        ++part->opposed;
-        part->opposed_area += norma_check_twice_area(m, f);
+        ++part->counts[OPPOSED_FACES];
+        part->twice_area += norma_check_twice_area(m, f);
     }
 }
 
 /* Fills m->opposed. */
 static norma_result check_opposed(check_mesh *m) {
-    const size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
+    check_sum sum = {.twice_area = 0};
     if (m->opposed) return NORMA_OK;
     norma_result result = norma_check_faces(m);
     if (!result) result = norma_check_users(m);
     if (result) return result;
-    facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding)),
-        norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    const facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding))};
     m->opposed = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
     m->far = norma_core_allocate(&m->run->call, norma_check_normal_count(m), sizeof *m->far);
-    result = pass.parts && m->opposed && m->far ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result) {
-        memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
-        memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result = norma_check_blocks(
-            &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass);
-    }
-    for (size_t i = 0; !result && i < blocks; ++i) {
-        m->opposed_count += pass.parts[i].opposed;
-        m->opposed_area += pass.parts[i].opposed_area;
-        m->far_count += pass.parts[i].far;
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+    if (!m->opposed || !m->far) return NORMA_ERROR_MEMORY;
+    memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
+    result =
+        norma_check_gather(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass, &sum);
+    m->opposed_count = sum.counts[OPPOSED_FACES];
+    m->opposed_area = sum.twice_area;
+    m->far_count = sum.counts[FAR_CORNERS];
     return result;
 }
 

@@ -10,7 +10,6 @@ static const double BENDS_DEG = 5, BENDS_MUCH_DEG = 30, CANCELS = 0.1, NO_LENGTH
                     DEGENERATE = 1e-6;
 
 static inline double greater_square(double a, double b) { return a > b ? a : b; }
-static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /* ---- N901 */
 
@@ -55,7 +54,7 @@ static int moved_normal(
         }
         memcpy(before, edge, sizeof before);
     }
-    double twice_area = length_of(normal);
+    double twice_area = norma_core_length(normal);
     return twice_area > DEGENERATE * longest && isfinite(twice_area);
 }
 
@@ -71,7 +70,7 @@ static double bend_of_face_deg(const check_mesh *m, const norma_vec3_view *delta
         (double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
     const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2],
         n[0] * moved[1] - n[1] * moved[0]};
-    double sine = length_of(cross), cosine = norma_core_dot(n, moved);
+    double sine = norma_core_length(cross), cosine = norma_core_dot(n, moved);
     return cosine > 0 && sine <= tangent * cosine
                ? 0
                : norma_core_angle(sine, cosine) * (180 / 3.141592653589793);
@@ -82,55 +81,43 @@ enum { FACES_IN_BLOCK = 1 << 13 };
 typedef struct bend_pass {
     const check_mesh *m;
     const norma_vec3_view *deltas;
-    check_hits *parts; /* of each block */
 } bend_pass;
 
-static void judge_block(void *context, size_t block, size_t begin, size_t end) {
+static void judge_bends(const void *context, check_sum *part, size_t begin, size_t end) {
     const bend_pass *pass = context;
     for (size_t f = begin; f < end; ++f) {
         double bend = bend_of_face_deg(pass->m, pass->deltas, f);
         if (bend > BENDS_DEG)
-            norma_check_hit(pass->m->run, &pass->parts[block], bend, norma_check_face(f));
+            norma_check_hit(pass->m->run, &part->hits[0], bend, norma_check_face(f));
     }
 }
 
-static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, check_hits *hits) {
-    size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
-    norma_result result = norma_check_faces(m);
-    if (result || !blocks) return result;
-    bend_pass pass = {m, deltas, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result =
-        norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
-    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
-}
-
-static norma_result judge_bends(check_mesh *m) {
-    check_hits hits = {0};
+static norma_result judge_targets(check_mesh *m) {
+    check_sum sum = {.twice_area = 0};
+    check_hits *hits = &sum.hits[0];
     size_t targets = 0;
-    for (size_t t = 0; t < m->given->morph_count; ++t) {
+    norma_result result = norma_check_faces(m);
+    for (size_t t = 0; t < m->given->morph_count && !result; ++t) {
         const norma_morph_data *morph = &m->given->morphs[t];
-        size_t before = hits.count;
+        const bend_pass pass = {m, &morph->positions};
+        const size_t before = hits->count;
         if (morph->normals.count || morph->positions.count < m->mesh.positions.count) continue;
-        norma_result result = judge_target(m, &morph->positions, &hits);
-        if (result) {
-            norma_check_hits_free(&hits);
-            return result;
-        }
-        targets += hits.count > before;
+        result = norma_check_gather(
+            m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_bends, &pass, &sum);
+        targets += hits->count > before;
     }
-    if (!hits.count) return NORMA_OK;
+    if (result) {
+        norma_check_sum_free(&sum);
+        return result;
+    }
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N901,
-            .severity = hits.worst > BENDS_MUCH_DEG ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+            .severity = hits->worst > BENDS_MUCH_DEG ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
-            .hits = &hits},
+            .hits = hits},
         "the moved surface is shaded as if it had not moved: %z of %z morph targets turn faces "
         "(by up to %g degrees) but have no normals",
-        targets, m->given->morph_count, hits.worst);
+        targets, m->given->morph_count, hits->worst);
 }
 
 /* ---- N902 */
@@ -144,11 +131,11 @@ static norma_result judge_sums(check_mesh *m) {
             double n[3], delta[3];
             norma_check_normal(m, v, n);
             norma_view_read(deltas, v, delta);
-            if (!(length_of(n) >= NO_LENGTH)) /* already none: N101, N102 */
+            if (!(norma_core_length(n) >= NO_LENGTH)) /* already none: N101, N102 */
                 continue;
             for (int k = 0; k < 3; ++k) n[k] += delta[k];
-            if (length_of(n) < CANCELS)
-                norma_check_hit(m->run, &hits, length_of(n), norma_check_vertex(v));
+            if (norma_core_length(n) < CANCELS)
+                norma_check_hit(m->run, &hits, norma_core_length(n), norma_check_vertex(v));
         }
     }
     if (!hits.count) return NORMA_OK;
@@ -183,7 +170,7 @@ static norma_result judge_bases(check_mesh *m) {
 norma_result norma_check_morphs(check_mesh *m) {
     if (!m->given->morph_count || !m->given->morphs) return NORMA_OK;
     int lit = norma_check_normal_count(m) > 0 && !m->given->material.unlit;
-    norma_result result = lit && norma_check_wants(m, RULE_N901) ? judge_bends(m) : NORMA_OK;
+    norma_result result = lit && norma_check_wants(m, RULE_N901) ? judge_targets(m) : NORMA_OK;
     if (!result && norma_check_wants(m, RULE_N902) &&
         m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
         result = judge_sums(m);

@@ -74,7 +74,6 @@ typedef struct grid {
     _Atomic uint64_t *slots; /* a tag of the cell above the position added last; all bits: none */
     uint32_t *next;    /* of each position the one added to its cell before it; UINT32_MAX: none */
     atomic_uchar *use; /* of each position: POSITION_UNUSED and so on */
-    check_hits *parts;
 } grid;
 
 static uint64_t hash_of_cell(const int64_t cell[3]) {
@@ -200,11 +199,11 @@ static int is_near(const grid *g, size_t self) {
     return 0;
 }
 
-static void judge_cells(void *context, size_t block, size_t begin, size_t end) {
-    grid *g = context;
+static void judge_cells(const void *context, check_sum *part, size_t begin, size_t end) {
+    const grid *g = context;
     for (size_t i = begin; i < end; ++i)
         if (use_of(g, i) == POSITION_TO_JUDGE && is_near(g, i))
-            norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(i));
+            norma_check_hit(g->m->run, &part->hits[0], 0, norma_check_vertex(i));
 }
 
 /* ---- the grid */
@@ -258,22 +257,20 @@ static norma_result add_coincident(check_mesh *m, check_hits *hits, double step)
         hits->count, norma_check_plural(hits->count), step);
 }
 
-static norma_result search(check_mesh *m, grid *g, size_t blocks) {
-    size_t count = m->mesh.positions.count;
+static norma_result search(check_mesh *m, grid *g) {
+    const size_t count = m->mesh.positions.count;
+    check_sum sum = {.twice_area = 0};
     norma_result result =
         norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, add_positions, g);
     if (!result)
-        result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_cells, g);
-    check_hits hits = {0};
-    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
-    if (!result && hits.count) return add_coincident(m, &hits, g->step);
-    norma_check_hits_free(&hits);
+        result = norma_check_gather(m->run, count, POSITIONS_IN_BLOCK, judge_cells, g, &sum);
+    if (!result) result = add_coincident(m, &sum.hits[0], g->step);
+    norma_check_sum_free(&sum);
     return result;
 }
 
 norma_result norma_check_coincident(check_mesh *m) {
-    size_t count = m->mesh.positions.count,
-           blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
+    const size_t count = m->mesh.positions.count;
     if (!m->mesh.face_count || !norma_check_wants(m, RULE_N503)) return NORMA_OK;
     norma_result result = norma_check_weld(m);
     if (result) return result;
@@ -281,23 +278,20 @@ norma_result norma_check_coincident(check_mesh *m) {
     grid g = {.m = m};
     g.next = norma_core_allocate(call, count, sizeof *g.next);
     g.use = norma_core_allocate(call, count, sizeof *g.use);
-    g.parts = norma_core_allocate(call, blocks, sizeof *g.parts);
-    result = g.next && g.use && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    result = g.next && g.use ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         double high[3], square = 0;
-        memset(g.parts, 0, blocks * sizeof *g.parts);
         const size_t used = find_used(&g, high);
         for (int k = 0; k < 3; ++k) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
         g.step = ALMOST_EQUAL * sqrt(square);
         g.cell = CELL_STEPS * g.step;
         for (int k = 0; k < 3; ++k) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
         if (g.step > 0 && g.step < INFINITY) result = open_slots(&g, used);
-        if (g.slots && !result) result = search(m, &g, blocks);
+        if (g.slots && !result) result = search(m, &g);
     }
     norma_core_release(call, (void *)g.slots, g.slots ? g.mask + 1 : 0, sizeof *g.slots);
     norma_core_release(call, g.next, count, sizeof *g.next);
     norma_core_release(call, (void *)g.use, count, sizeof *g.use);
-    norma_core_release(call, g.parts, blocks, sizeof *g.parts);
     return result;
 }
 

@@ -114,58 +114,35 @@ norma_result norma_check_add_open(
     check_mesh *m, const core_topology *topology, size_t first_corner);
 int norma_check_wants_open(const check_run *run, const uint8_t *rules);
 
-/* ---- rules that need no neighbours, so that a file can be looked at part by part. Each has
- * a sum, zero-initialised, to which _look adds what a mesh shows; _add makes the findings, and
- * leaves the sum empty, as _drop does. */
+/* ---- rules that need no neighbours, so that a file can be looked at part by part. _look adds to
+ * a sum what a mesh shows; _add makes the findings. */
 
 /* positions.c: N002, of faces with a position that is not finite. Failed: out of memory. */
 void norma_check_unplaced_look(const check_mesh *m, check_hits *sum);
 norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum, norma_severity severity);
 
 /* stored_normals.c: N101 to N103. */
-typedef struct check_lengths {
-    check_hits non_finite, zero, non_unit,
-        rounded; /* rounded: in OBJ, off by what two digits make */
-} check_lengths;
+enum { CHECK_LENGTH_NOT_FINITE, CHECK_LENGTH_NONE, CHECK_LENGTH_OFF, CHECK_LENGTH_ROUNDED };
 typedef struct check_idle {
     size_t degenerate,
         unused; /* normals of no length that only degenerate faces, or no face, use */
 } check_idle;
-void norma_check_lengths_drop(check_lengths *sum);
-norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum);
-norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, const check_idle *idle);
+norma_result norma_check_lengths_look(check_mesh *m, check_sum *sum);
+norma_result norma_check_lengths_add(check_mesh *m, check_sum *sum, const check_idle *idle);
 
-/* sides.c: N205. behind: NULL, or a mark for each face whose normal is on its other side. The
- * caller fills whole_area (twice the area of all faces), turned (facets whose winding is known to
- * be wrong) and undecided (it may be). */
-typedef struct check_facets {
-    check_hits hits;
-    size_t zeros, turned, undecided;
-    double twice_area, whole_area; /* twice_area: of those that are more than 10 degrees off */
-} check_facets;
-norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind);
-norma_result norma_check_facets_add(check_mesh *m, check_facets *sum);
+/* sides.c: N205. The sum's area is that of facets that are more than 10 degrees off. behind: NULL,
+ * or a mark for each face whose normal is on its other side. The caller fills the counts TURNED
+ * (facets whose winding is known to be wrong) and UNDECIDED (it may be). whole_area: twice that of
+ * all faces. */
+enum { CHECK_FACETS_ZERO, CHECK_FACETS_TURNED, CHECK_FACETS_UNDECIDED };
+norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind);
+norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_area);
 
-/* shapes.c: N401, N402. */
-typedef struct check_shapes {
-    check_hits degenerate, slivers;
-} check_shapes;
-void norma_check_shapes_drop(check_shapes *sum);
-norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum);
-norma_result norma_check_shapes_add(check_mesh *m, check_shapes *sum);
-
-/* shapes.c: N404, N405. */
-typedef struct check_folds {
-    check_hits hits;
-    size_t crossing; /* of them: their edges cross */
-} check_folds;
-typedef struct check_polygons {
-    check_folds folds, slight; /* slight: what faces away is next to nothing of the polygon */
-    check_hits bent;
-} check_polygons;
-void norma_check_polygons_drop(check_polygons *sum);
-norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum);
-norma_result norma_check_polygons_add(check_mesh *m, check_polygons *sum);
+/* shapes.c: N401 and N402, N404 and N405. */
+norma_result norma_check_shapes_look(check_mesh *m, check_sum *sum);
+norma_result norma_check_shapes_add(check_mesh *m, check_sum *sum);
+norma_result norma_check_polygons_look(check_mesh *m, check_sum *sum);
+norma_result norma_check_polygons_add(check_mesh *m, check_sum *sum);
 
 /* positions.c: N701 and N702. */
 typedef struct check_largest {

@@ -238,19 +238,12 @@ static double check_seam_angle(
     return kind == SEAM_CREASE ? 0 : kind == SEAM_OPEN ? -angle : angle;
 }
 
-typedef struct seam_hits {
-    check_hits shown, open; /* open: they may be meant */
-} seam_hits;
+enum { SHOWN_SEAMS, OPEN_SEAMS }; /* hits; open: they may be meant */
 
-static void hit_seam(const check_run *run, seam_hits *hits, double angle, size_t vertex) {
+static void hit_seam(const check_run *run, check_sum *seams, double angle, size_t vertex) {
     if (angle != 0)
-        norma_check_hit(run, angle > 0 ? &hits->shown : &hits->open, fabs(angle) * (180 / NORMA_PI),
-            norma_check_vertex(vertex));
-}
-
-static void free_seams(seam_hits *hits) {
-    norma_check_hits_free(&hits->shown);
-    norma_check_hits_free(&hits->open);
+        norma_check_hit(run, &seams->hits[angle > 0 ? SHOWN_SEAMS : OPEN_SEAMS],
+            fabs(angle) * (180 / NORMA_PI), norma_check_vertex(vertex));
 }
 
 static norma_result add_seams_of(check_mesh *m, norma_severity severity, check_hits *hits) {
@@ -265,11 +258,12 @@ static norma_result add_seams_of(check_mesh *m, norma_severity severity, check_h
 }
 
 /* A few positions make no line: all of them inform then. */
-static norma_result check_add_seams(check_mesh *m, seam_hits *hits) {
+static norma_result check_add_seams(check_mesh *m, check_sum *seams) {
     enum { FEW = 4 };
-    if (hits->shown.count <= FEW) norma_check_hits_merge(m->run, &hits->open, &hits->shown);
-    const norma_result result = add_seams_of(m, NORMA_SEVERITY_WARNING, &hits->shown);
-    return result ? result : add_seams_of(m, NORMA_SEVERITY_INFO, &hits->open);
+    check_hits *shown = &seams->hits[SHOWN_SEAMS], *open = &seams->hits[OPEN_SEAMS];
+    if (shown->count <= FEW) norma_check_hits_merge(m->run, open, shown);
+    const norma_result result = add_seams_of(m, NORMA_SEVERITY_WARNING, shown);
+    return result ? result : add_seams_of(m, NORMA_SEVERITY_INFO, open);
 }
 
 /* ---- N501 over the primitives of one glTF mesh together, since a seam of materials
@@ -416,15 +410,15 @@ static void judge_joined_positions(void *context, size_t block, size_t begin, si
 static norma_result add_member(joined *j, size_t number) {
     const check_member *member = &j->run->members[number];
     check_mesh m = {.run = j->run, .given = member->given, .mesh = member->mesh};
-    seam_hits hits = {{0}, {0}};
+    check_sum seams = {.twice_area = 0};
     char label[CHECK_MESSAGE];
     for (size_t v = 0; v < member->mesh.positions.count; ++v)
-        hit_seam(j->run, &hits, j->angles[member->begin + v], v);
+        hit_seam(j->run, &seams, j->angles[member->begin + v], v);
     norma_check_label(&member->given->info, label);
     m.place = (check_place){.order = member->order,
         .where = member->given->info.where ? member->given->info.where : "",
         .label = label};
-    return check_add_seams(&m, &hits);
+    return check_add_seams(&m, &seams);
 }
 
 static norma_result judge_all(joined *j) {
@@ -481,19 +475,16 @@ norma_result norma_check_seams_joined(check_run *run) {
 enum { POSITIONS_IN_BLOCK = 1 << 13 };
 
 typedef struct seam_pass {
-    check_mesh *m;
+    const check_mesh *m;
     double least;                /* radians */
     const seam_creases *creases; /* NULL: not known yet */
-    seam_hits *parts;
 } seam_pass;
 
-static void judge_seam_positions(void *context, size_t block, size_t begin, size_t end) {
+static void judge_seam_positions(const void *context, check_sum *part, size_t begin, size_t end) {
     const seam_pass *pass = context;
     const check_mesh *m = pass->m;
-    for (size_t p = begin; p < end; ++p) {
-        const double angle = check_seam_angle(m, p, pass->least, pass->creases);
-        hit_seam(m->run, &pass->parts[block], angle, p);
-    }
+    for (size_t p = begin; p < end; ++p)
+        hit_seam(m->run, part, check_seam_angle(m, p, pass->least, pass->creases), p);
 }
 
 static int can_be_joined(const check_mesh *m) {
@@ -504,34 +495,19 @@ static int can_be_joined(const check_mesh *m) {
     return per_vertex && !m->mesh.face_starts && !a->corner_texcoords && !a->face_materials;
 }
 
-/* hits: of all positions. */
-static norma_result gather_seams(
-    check_mesh *m, double least, const seam_creases *creases, seam_hits *hits) {
-    size_t count = m->topology.corners_of.position_count,
-           blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
-    seam_pass pass = {
-        m, least, creases, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    const norma_result result =
-        norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
-    for (size_t i = 0; i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &hits->shown, &pass.parts[i].shown);
-        norma_check_hits_merge(m->run, &hits->open, &pass.parts[i].open);
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
-}
-
 /* The file's own crease is looked for only where there may be a seam. */
-static norma_result judge_seams(check_mesh *m, seam_hits *hits) {
-    const double least = check_seam_least(m->given->info.encoding);
+static norma_result judge_seams(check_mesh *m, check_sum *seams) {
+    const size_t count = m->topology.corners_of.position_count;
+    seam_pass pass = {m, check_seam_least(m->given->info.encoding), NULL};
     seam_creases creases;
-    norma_result result = gather_seams(m, least, NULL, hits);
-    if (result || !hits->shown.count) return result;
-    free_seams(hits);
-    check_seam_creases(m, least, &creases);
-    return gather_seams(m, least, &creases, hits);
+    norma_result result =
+        norma_check_gather(m->run, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass, seams);
+    if (result || !seams->hits[SHOWN_SEAMS].count) return result;
+    norma_check_sum_free(seams);
+    check_seam_creases(m, pass.least, &creases);
+    pass.creases = &creases;
+    return norma_check_gather(
+        m->run, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass, seams);
 }
 
 norma_result norma_check_seams(check_mesh *m) {
@@ -549,11 +525,11 @@ norma_result norma_check_seams(check_mesh *m) {
     result = norma_check_faces(m);
     if (!result) result = norma_check_pairs(m);
     if (result) return result;
-    seam_hits hits = {{0}, {0}};
-    result = judge_seams(m, &hits);
-    const int any = hits.shown.count || hits.open.count;
+    check_sum seams = {.twice_area = 0};
+    result = judge_seams(m, &seams);
+    const int any = seams.hits[SHOWN_SEAMS].count || seams.hits[OPEN_SEAMS].count;
     if (!result && any) result = norma_check_is_of_another_frame(m, &other_frame);
-    if (!result && any && !other_frame) result = check_add_seams(m, &hits);
-    free_seams(&hits);
+    if (!result && any && !other_frame) result = check_add_seams(m, &seams);
+    norma_check_sum_free(&seams);
     return result;
 }

@@ -13,11 +13,7 @@ enum { FACES_IN_BLOCK = 1 << 14 };
 static const double DEGENERATE = 1e-6;
 static const double SLIVER_RAD = 0.0017453292519943296; /* 0.1 degrees */
 
-typedef struct shape_pass {
-    const check_mesh *m;
-    check_shapes *parts;
-    int wants_degenerate, wants_slivers;
-} shape_pass;
+enum { DEGENERATE_FACES, SLIVERS }; /* hits */
 
 /* Pi for all that are clearly not below SLIVER_RAD: how large they are matters to nobody. */
 static double corner_angle(const double before[3], const double here[3], const double after[3]) {
@@ -56,85 +52,56 @@ static int may_be_sliver(const check_mesh *m, size_t face) {
     return corners > 3 || (double)m->faces[face].height < 1.01 * SLIVER_RAD;
 }
 
-static void judge_shape(const shape_pass *pass, check_shapes *part, size_t face) {
-    const check_mesh *m = pass->m;
+static void judge_shape(const check_mesh *m, check_sum *part, size_t face) {
     double height = (double)m->faces[face].height;
     if (height < DEGENERATE) {
-        if (pass->wants_degenerate)
-            norma_check_hit(m->run, &part->degenerate, height, norma_check_face(face));
-    } else if (pass->wants_slivers && norma_check_directed(&m->faces[face]) &&
+        if (norma_check_wants(m, RULE_N401))
+            norma_check_hit(m->run, &part->hits[DEGENERATE_FACES], height, norma_check_face(face));
+    } else if (norma_check_wants(m, RULE_N402) && norma_check_directed(&m->faces[face]) &&
                may_be_sliver(m, face)) {
         double angle = least_angle(&m->topology, face);
         if (angle < SLIVER_RAD)
             norma_check_hit(
-                m->run, &part->slivers, angle * (180 / NORMA_PI), norma_check_face(face));
+                m->run, &part->hits[SLIVERS], angle * (180 / NORMA_PI), norma_check_face(face));
     }
 }
 
-static void judge_shapes(void *context, size_t block, size_t begin, size_t end) {
-    const shape_pass *pass = context;
-    pass->parts[block].degenerate.least = pass->parts[block].slivers.least = 1;
-    for (size_t f = begin; f < end; ++f) judge_shape(pass, &pass->parts[block], f);
+static void judge_shapes(const void *m, check_sum *part, size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) judge_shape(m, part, f);
 }
 
-static norma_result add_findings(check_mesh *m, check_shapes *sum) {
-    norma_result result = NORMA_OK;
-    if (sum->degenerate.count)
-        result = norma_check_report(m,
-            &(check_finding){.rule = RULE_N401,
-                .severity = NORMA_SEVERITY_INFO,
-                .unit = "ratio",
-                .hits = &sum->degenerate},
-            "without area: %z of %z faces are degenerate and have no normal", sum->degenerate.count,
-            m->mesh.face_count);
-    if (!result && sum->slivers.count)
-        result = norma_check_report(m,
-            &(check_finding){.rule = RULE_N402,
-                .severity = NORMA_SEVERITY_INFO,
-                .unit = "deg",
-                .hits = &sum->slivers},
-            "thin as needles: %z of %z faces have an angle below 0.1 degrees (smallest %g); their "
-            "direction depends on the last digits of the positions",
-            sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
-    return result;
+norma_result norma_check_shapes_add(check_mesh *m, check_sum *sum) {
+    check_hits *degenerate = &sum->hits[DEGENERATE_FACES], *slivers = &sum->hits[SLIVERS];
+    const norma_result result = norma_check_report(m,
+        &(check_finding){.rule = RULE_N401,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "ratio",
+            .hits = degenerate},
+        "without area: %z of %z faces are degenerate and have no normal", degenerate->count,
+        m->mesh.face_count);
+    if (result) return result;
+    return norma_check_report(m,
+        &(check_finding){
+            .rule = RULE_N402, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = slivers},
+        "thin as needles: %z of %z faces have an angle below 0.1 degrees (smallest %g); their "
+        "direction depends on the last digits of the positions",
+        slivers->count, m->mesh.face_count, slivers->worst);
 }
 
-void norma_check_shapes_drop(check_shapes *sum) {
-    norma_check_hits_free(&sum->degenerate);
-    norma_check_hits_free(&sum->slivers);
-}
-
-norma_result norma_check_shapes_add(check_mesh *m, check_shapes *sum) {
-    const norma_result result = add_findings(m, sum);
-    norma_check_shapes_drop(sum);
-    return result;
-}
-
-norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum) {
-    size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
-    sum->degenerate.least = sum->slivers.least = 1;
-    if (!blocks || !norma_check_wants_any(m, RULE_N401, RULE_N402)) return NORMA_OK;
-    norma_result result = norma_check_faces(m);
-    shape_pass pass = {m,
-        result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts),
-        norma_check_wants(m, RULE_N401), norma_check_wants(m, RULE_N402)};
-    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result =
-        norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
-    for (size_t i = 0; i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &sum->degenerate, &pass.parts[i].degenerate);
-        norma_check_hits_merge(m->run, &sum->slivers, &pass.parts[i].slivers);
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
+norma_result norma_check_shapes_look(check_mesh *m, check_sum *sum) {
+    sum->hits[DEGENERATE_FACES].least = sum->hits[SLIVERS].least = 1;
+    if (!m->mesh.face_count || !norma_check_wants_any(m, RULE_N401, RULE_N402)) return NORMA_OK;
+    const norma_result result = norma_check_faces(m);
+    return result ? result
+                  : norma_check_gather(
+                        m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, m, sum);
 }
 
 norma_result norma_check_shapes(check_mesh *m) {
-    check_shapes sum = {{0}, {0}};
+    check_sum sum = {.twice_area = 0};
     norma_result result = norma_check_shapes_look(m, &sum);
     if (!result) result = norma_check_shapes_add(m, &sum);
-    norma_check_shapes_drop(&sum);
+    norma_check_sum_free(&sum);
     return result;
 }
 
@@ -148,11 +115,6 @@ static const double CANCELLED_SHARE = 1e-3;
 typedef struct member {
     uint32_t vertex, corner;
 } member;
-
-typedef struct cancel_pass {
-    check_mesh *m;
-    check_hits *parts;
-} cancel_pass;
 
 static int all_in_front(const check_mesh *m, const uint32_t *corners, size_t count) {
     double sum[3] = {0}, least = 1;
@@ -227,16 +189,14 @@ static void judge_position(
     if (worst < CANCELLED_SHARE) norma_check_hit(m->run, hits, worst, norma_check_vertex(at));
 }
 
-static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
-    const cancel_pass *pass = context;
-    const core_corners_of_position *around = &pass->m->topology.corners_of;
+static void judge_positions(const void *context, check_sum *part, size_t begin, size_t end) {
+    const check_mesh *m = context;
+    const core_corners_of_position *around = &m->topology.corners_of;
     member members[FEW];
-    pass->parts[block].least = 1;
     for (size_t p = begin; p < end; ++p) {
         size_t count = around->starts[p + 1] - around->starts[p];
         if (count <= FEW)
-            judge_position(
-                pass->m, &pass->parts[block], &around->corners[around->starts[p]], count, members);
+            judge_position(m, &part->hits[0], &around->corners[around->starts[p]], count, members);
     }
 }
 
@@ -273,18 +233,12 @@ norma_result norma_check_cancelled(check_mesh *m) {
     norma_result result = norma_check_faces(m);
     if (!result) result = norma_check_around(m);
     if (result) return result;
-    size_t count = m->topology.corners_of.position_count,
-           blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
-    cancel_pass pass = {m, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
-    check_hits hits = {.least = 1};
-    for (size_t i = 0; i < blocks; ++i) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result) result = judge_large(m, &hits);
-    if (!result && hits.count) return add_cancelled(m, &hits);
-    norma_check_hits_free(&hits);
+    check_sum sum = {.hits[0].least = 1};
+    result = norma_check_gather(m->run, m->topology.corners_of.position_count, POSITIONS_IN_BLOCK,
+        judge_positions, m, &sum);
+    if (!result) result = judge_large(m, &sum.hits[0]);
+    if (!result) result = add_cancelled(m, &sum.hits[0]);
+    norma_check_sum_free(&sum);
     return result;
 }
 
@@ -296,10 +250,9 @@ static const double FOLD = 1e-6;  /* of the polygon's area: what rounding may tu
 static const double SLIGHT = .01; /* of its area: as much facing away hardly shows */
 static const double OUT_OF_PLANE_SINE = 0.0174524064; /* of 1 degree */
 
-typedef struct polygon_pass {
-    const check_mesh *m;
-    check_polygons *parts;
-} polygon_pass;
+/* Hits; counts of FOLDS and SLIGHT: of them those whose edges cross. SLIGHT: what faces away is
+ * next to nothing of the polygon. */
+enum { FOLDS, SLIGHT_FOLDS, BENT };
 
 static void corner_from(
     const core_mesh *mesh, size_t corner, const double origin[3], double out[3]) {
@@ -422,107 +375,83 @@ static int position_is_finite(const check_mesh *m, size_t face) {
 }
 
 /* Its area cancels though it is broad: one half of it faces away, whichever half that is. */
-static void judge_cancelled(const polygon_pass *pass, check_polygons *part, size_t face) {
-    const check_face *shape = &pass->m->faces[face];
-    if (norma_check_is_sliver(shape) || !position_is_finite(pass->m, face)) return;
-    norma_check_hit(pass->m->run, &part->folds.hits, 1, norma_check_face(face));
-    ++part->folds.crossing;
+static void judge_cancelled(const check_mesh *m, check_sum *part, size_t face) {
+    if (norma_check_is_sliver(&m->faces[face]) || !position_is_finite(m, face)) return;
+    norma_check_hit(m->run, &part->hits[FOLDS], 1, norma_check_face(face));
+    ++part->counts[FOLDS];
 }
 
-static void judge_polygon(const polygon_pass *pass, check_polygons *part, size_t face) {
-    const check_mesh *m = pass->m;
+static void judge_polygon(const check_mesh *m, check_sum *part, size_t face) {
     const core_mesh *mesh = &m->topology.mesh;
     if (norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) < 4) return;
     if (!norma_check_directed(&m->faces[face])) {
-        judge_cancelled(pass, part, face);
+        judge_cancelled(m, part, face);
         return;
     }
     const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1],
         (double)m->faces[face].normal[2]};
     const polygon_shape shape = shape_of(mesh, face, normal);
     if (shape.least < -FOLD && !norma_check_is_sliver(&m->faces[face])) {
-        check_folds *to = shape.away < SLIGHT ? &part->slight : &part->folds;
-        norma_check_hit(m->run, &to->hits, -shape.least, norma_check_face(face));
-        to->crossing += crosses_itself(mesh, face, normal) != 0;
+        const int kind = shape.away < SLIGHT ? SLIGHT_FOLDS : FOLDS;
+        norma_check_hit(m->run, &part->hits[kind], -shape.least, norma_check_face(face));
+        part->counts[kind] += crosses_itself(mesh, face, normal) != 0;
     }
     if (shape.sine > 0)
-        norma_check_hit(m->run, &part->bent,
+        norma_check_hit(m->run, &part->hits[BENT],
             norma_check_arc_sine(fmin(shape.sine, 1)) * (180 / NORMA_PI),
             (check_spot){norma_core_corner(&m->mesh, shape.at), face, SIZE_MAX});
 }
 
-static void judge_polygons(void *context, size_t block, size_t begin, size_t end) {
-    const polygon_pass *pass = context;
-    for (size_t f = begin; f < end; ++f) judge_polygon(pass, &pass->parts[block], f);
+static void judge_polygons(const void *m, check_sum *part, size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) judge_polygon(m, part, f);
 }
 
-static norma_result add_folded(check_mesh *m, norma_severity severity, check_folds *f) {
-    if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
+static norma_result add_folded(
+    check_mesh *m, norma_severity severity, check_hits *hits, size_t crossing) {
+    if (!norma_check_wants(m, RULE_N404)) return NORMA_OK;
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N404,
             .severity = severity,
             .unit = "ratio",
-            .no_fix = f->crossing == f->hits.count,
-            .hits = &f->hits},
-        f->crossing ? "triangles back to front: %z of %z polygons %s over if a reader cuts them "
-                      "into a fan from their first corner; %z of them cross%s"
-                    : "triangles back to front: %z of %z polygons %s over if a reader cuts them "
-                      "into a fan from their first corner",
-        f->hits.count, m->mesh.face_count, f->hits.count == 1 ? "folds" : "fold", f->crossing,
-        f->crossing == 1 ? "es itself" : " themselves");
+            .no_fix = crossing == hits->count,
+            .hits = hits},
+        crossing ? "triangles back to front: %z of %z polygons %s over if a reader cuts them "
+                   "into a fan from their first corner; %z of them cross%s"
+                 : "triangles back to front: %z of %z polygons %s over if a reader cuts them "
+                   "into a fan from their first corner",
+        hits->count, m->mesh.face_count, hits->count == 1 ? "folds" : "fold", crossing,
+        crossing == 1 ? "es itself" : " themselves");
 }
 
-static norma_result tell_bad_polygons(check_mesh *m, check_polygons *sum) {
-    norma_result result = add_folded(m, NORMA_SEVERITY_WARNING, &sum->folds);
-    if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
-    if (result || !sum->bent.count || !norma_check_wants(m, RULE_N405)) return result;
+norma_result norma_check_polygons_add(check_mesh *m, check_sum *sum) {
+    check_hits *bent = &sum->hits[BENT];
+    norma_result result =
+        add_folded(m, NORMA_SEVERITY_WARNING, &sum->hits[FOLDS], sum->counts[FOLDS]);
+    if (!result)
+        result =
+            add_folded(m, NORMA_SEVERITY_INFO, &sum->hits[SLIGHT_FOLDS], sum->counts[SLIGHT_FOLDS]);
+    if (result || !norma_check_wants(m, RULE_N405)) return result;
     return norma_check_report(m,
         &(check_finding){
-            .rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->bent},
+            .rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = bent},
         "not flat, so that readers cut them differently: %z of %z polygons, by up to %g degrees",
-        sum->bent.count, m->mesh.face_count, sum->bent.worst);
+        bent->count, m->mesh.face_count, bent->worst);
 }
 
-static void add_polygon_part(const check_run *run, check_polygons *sum, check_polygons *part) {
-    norma_check_hits_merge(run, &sum->folds.hits, &part->folds.hits);
-    norma_check_hits_merge(run, &sum->slight.hits, &part->slight.hits);
-    norma_check_hits_merge(run, &sum->bent, &part->bent);
-    sum->folds.crossing += part->folds.crossing;
-    sum->slight.crossing += part->slight.crossing;
-}
-
-void norma_check_polygons_drop(check_polygons *sum) {
-    norma_check_hits_free(&sum->folds.hits);
-    norma_check_hits_free(&sum->slight.hits);
-    norma_check_hits_free(&sum->bent);
-}
-
-norma_result norma_check_polygons_add(check_mesh *m, check_polygons *sum) {
-    const norma_result result = tell_bad_polygons(m, sum);
-    norma_check_polygons_drop(sum);
-    return result;
-}
-
-norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum) {
-    size_t blocks = norma_check_block_count(m->mesh.face_count, POLYGONS_IN_BLOCK);
-    if (!m->mesh.face_starts || !blocks || !norma_check_wants_any(m, RULE_N404, RULE_N405))
+norma_result norma_check_polygons_look(check_mesh *m, check_sum *sum) {
+    if (!m->mesh.face_starts || !m->mesh.face_count ||
+        !norma_check_wants_any(m, RULE_N404, RULE_N405))
         return NORMA_OK;
-    norma_result result = norma_check_faces(m);
-    polygon_pass pass = {
-        m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(
-        &m->run->call, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, &pass);
-    for (size_t i = 0; i < blocks; ++i) add_polygon_part(m->run, sum, &pass.parts[i]);
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
+    const norma_result result = norma_check_faces(m);
+    return result ? result
+                  : norma_check_gather(
+                        m->run, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, m, sum);
 }
 
 norma_result norma_check_polygons(check_mesh *m) {
-    check_polygons sum = {.bent = {0}};
+    check_sum sum = {.twice_area = 0};
     norma_result result = norma_check_polygons_look(m, &sum);
     if (!result) result = norma_check_polygons_add(m, &sum);
-    norma_check_polygons_drop(&sum);
+    norma_check_sum_free(&sum);
     return result;
 }

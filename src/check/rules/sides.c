@@ -212,14 +212,13 @@ static const double LEAST_SHARE = .001; /* of the area: below it, the rule infor
 
 typedef struct facet_pass {
     const check_mesh *m;
-    check_facets *parts;
     uint8_t *behind; /* of each face: 1: its normal is on the other side; 2: nearly the opposite of
                         its winding; or NULL */
 } facet_pass;
 
 /* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
  */
-static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet) {
+static void judge_facet(const facet_pass *pass, check_sum *part, size_t facet) {
     const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, facet, n);
@@ -231,41 +230,41 @@ static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet
     if (is != CORE_LENGTH_ZERO && cosine < CLEAR_COSINE)
         part->twice_area += norma_check_twice_area(m, facet);
     if (is == CORE_LENGTH_ZERO) {
-        ++part->zeros;
-        norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
+        ++part->counts[CHECK_FACETS_ZERO];
+        norma_check_hit(m->run, &part->hits[0], NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
         if (pass->behind)
             pass->behind[facet] = (uint8_t)((cosine < 0) + (cosine <= -CHECK_LEAN_COSINE));
-        norma_check_hit(m->run, &part->hits,
+        norma_check_hit(m->run, &part->hits[0],
             norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
             norma_check_face(facet));
     }
 }
 
-static void judge_facets(void *context, size_t block, size_t begin, size_t end) {
-    const facet_pass *pass = context;
-    for (size_t f = begin; f < end; ++f) judge_facet(pass, &pass->parts[block], f);
+static void judge_facets(const void *pass, check_sum *part, size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) judge_facet(pass, part, f);
 }
 
 /* Those that no fix of normals is for: wound wrongly while their normals are right, or perhaps. */
-static norma_result count_turned(check_mesh *m, const uint8_t *behind, check_facets *sum) {
+static norma_result count_turned(check_mesh *m, const uint8_t *behind, check_sum *sum) {
     const size_t faces = m->mesh.face_count;
     if (!memchr(behind, 1, faces) && !memchr(behind, 2, faces)) return NORMA_OK;
     uint8_t *sides = norma_core_allocate(&m->run->call, faces, 1);
     const norma_result result = sides ? norma_check_sides(m, behind, sides) : NORMA_ERROR_MEMORY;
     for (size_t f = 0; !result && f < faces; ++f) {
-        sum->turned += behind[f] && norma_check_is_turned(sides[f]);
-        sum->undecided += behind[f] > 1 && sides[f] & CORE_SIDE_UNDECIDED;
+        sum->counts[CHECK_FACETS_TURNED] += behind[f] && norma_check_is_turned(sides[f]);
+        sum->counts[CHECK_FACETS_UNDECIDED] += behind[f] > 1 && sides[f] & CORE_SIDE_UNDECIDED;
     }
     norma_core_release(&m->run->call, sides, faces, 1);
     return result;
 }
 
-norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
-    check_hits *hits = &sum->hits;
-    const size_t zeros = sum->zeros, turned = sum->turned, undecided = sum->undecided;
+norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_area) {
+    check_hits *hits = &sum->hits[0];
+    const size_t zeros = sum->counts[CHECK_FACETS_ZERO], turned = sum->counts[CHECK_FACETS_TURNED],
+                 undecided = sum->counts[CHECK_FACETS_UNDECIDED];
     char message[CHECK_MESSAGE];
-    const int matters = sum->twice_area > 0 && sum->twice_area >= LEAST_SHARE * sum->whole_area;
+    const int matters = sum->twice_area > 0 && sum->twice_area >= LEAST_SHARE * whole_area;
     if (!hits->count) return NORMA_OK;
     if (zeros == hits->count)
         norma_check_message(message,
@@ -303,31 +302,19 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
             .message = message});
 }
 
-norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind) {
-    const core_call *call = &m->run->call;
+norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind) {
     const size_t normals = norma_check_normal_count(m), faces = m->mesh.face_count,
-                 count = normals < faces ? normals : faces,
-                 blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
-    if (!count) return NORMA_OK;
-    norma_result result = norma_check_faces(m);
-    if (result) return result;
-    facet_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.parts), behind};
-    if (!pass.parts) return NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(&m->run->call, count, FACETS_IN_BLOCK, judge_facets, &pass);
-    for (size_t i = 0; i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &sum->hits, &pass.parts[i].hits);
-        sum->zeros += pass.parts[i].zeros;
-        sum->twice_area += pass.parts[i].twice_area;
-    }
-    norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
+                 count = normals < faces ? normals : faces;
+    const facet_pass pass = {m, behind};
+    const norma_result result = count ? norma_check_faces(m) : NORMA_OK;
+    return result ? result
+                  : norma_check_gather(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass, sum);
 }
 
 norma_result norma_check_facets(check_mesh *m) {
     const core_call *call = &m->run->call;
     const size_t faces = m->mesh.face_count;
-    check_facets sum = {.zeros = 0};
+    check_sum sum = {.twice_area = 0};
     if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !faces ||
         !norma_check_wants(m, RULE_N205))
         return NORMA_OK;
@@ -337,8 +324,8 @@ norma_result norma_check_facets(check_mesh *m) {
     norma_result result = norma_check_facets_look(m, &sum, behind);
     if (!result) result = count_turned(m, behind, &sum);
     norma_core_release(call, behind, faces, 1);
-    if (!result && sum.hits.count) sum.whole_area = norma_check_add_areas(m, 0);
-    if (!result) result = norma_check_facets_add(m, &sum);
-    norma_check_hits_free(&sum.hits);
+    if (!result && sum.hits[0].count)
+        result = norma_check_facets_add(m, &sum, norma_check_add_areas(m, 0));
+    norma_check_sum_free(&sum);
     return result;
 }

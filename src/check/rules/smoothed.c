@@ -8,15 +8,9 @@ static const double HARD_COSINE = .5;               /* of 60 degrees */
 static const double OFF_COSINE = .7071067811865476; /* of 45 degrees */
 static const double SMOOTHED_SHARE = .05;           /* of the area */
 
-typedef struct smoothed_part {
-    check_hits hits;
-    double twice_area; /* of what is shaded so */
-} smoothed_part;
-
 typedef struct smoothed_pass {
     const check_mesh *m;
     double same_cosine; /* normals that are nearer are the same */
-    smoothed_part *parts;
 } smoothed_pass;
 
 /* Of unit length; 0: there is none. */
@@ -93,10 +87,9 @@ static double area_far(const check_mesh *m, size_t face, double *worst) {
     return sum;
 }
 
-static void judge_shading(void *context, size_t block, size_t begin, size_t end) {
+static void judge_shading(const void *context, check_sum *part, size_t begin, size_t end) {
     const smoothed_pass *pass = context;
     const check_mesh *m = pass->m;
-    smoothed_part *part = &pass->parts[block];
     for (size_t f = begin; f < end; ++f) {
         size_t c = norma_core_face_begin(&m->mesh, f);
         const size_t last = norma_core_face_end(&m->mesh, f);
@@ -106,15 +99,15 @@ static void judge_shading(void *context, size_t block, size_t begin, size_t end)
         const double area = c < last ? area_far(m, f, &worst) : 0;
         if (!(area > 0)) continue;
         part->twice_area += area;
-        norma_check_hit(m->run, &part->hits,
+        norma_check_hit(m->run, &part->hits[0],
             norma_check_arc_cosine(fmax(worst, -1)) * (180 / NORMA_PI), norma_check_face(f));
     }
 }
 
-static norma_result add_smoothed(check_mesh *m, smoothed_part *sum) {
+static norma_result add_smoothed(check_mesh *m, double twice_area, check_hits *hits) {
     const double whole = norma_check_add_areas(m, 0);
     int is_placeholder = 0, other_frame = 0;
-    if (!(sum->twice_area > SMOOTHED_SHARE * whole)) return NORMA_OK;
+    if (!(twice_area > SMOOTHED_SHARE * whole)) return NORMA_OK;
     norma_result result = norma_check_is_placeholder(m, &is_placeholder);
     if (!result) result = norma_check_is_of_another_frame(m, &other_frame);
     if (result || is_placeholder || other_frame) return result;
@@ -122,35 +115,25 @@ static norma_result add_smoothed(check_mesh *m, smoothed_part *sum) {
         &(check_finding){.rule = RULE_N207,
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
-            .hits = &sum->hits},
+            .hits = hits},
         "shaded as if round: at %z of %z faces, all with hard edges, the shading is more than 45 "
         "degrees off the face, by up to %g, over %g %% of the area; a crease of 60 degrees makes "
         "these edges hard",
-        sum->hits.count, m->mesh.face_count, sum->hits.worst, 100 * sum->twice_area / whole);
+        hits->count, m->mesh.face_count, hits->worst, 100 * twice_area / whole);
 }
 
 norma_result norma_check_smoothed(check_mesh *m) {
-    const size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
-    if (!blocks || !norma_check_wants(m, RULE_N207) || !norma_check_normal_count(m) ||
+    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N207) || !norma_check_normal_count(m) ||
         m->given->info.normals == NORMA_NORMALS_PER_FACET)
         return NORMA_OK;
     norma_result result = norma_check_pairs(m);
-    smoothed_part sum = {.twice_area = 0};
-    smoothed_pass pass = {m,
-        cos(fmax(1 / (180 / NORMA_PI), 2 * norma_check_encoding_bound(m->given->info.encoding))),
-        norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!result && !pass.parts) result = NORMA_ERROR_MEMORY;
-    if (!result) {
-        memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result = norma_check_blocks(
-            &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shading, &pass);
-        for (size_t i = 0; i < blocks; ++i) {
-            sum.twice_area += pass.parts[i].twice_area;
-            norma_check_hits_merge(m->run, &sum.hits, &pass.parts[i].hits);
-        }
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result) result = add_smoothed(m, &sum);
-    norma_check_hits_free(&sum.hits);
+    check_sum sum = {.twice_area = 0};
+    const smoothed_pass pass = {m,
+        cos(fmax(1 / (180 / NORMA_PI), 2 * norma_check_encoding_bound(m->given->info.encoding)))};
+    if (!result)
+        result = norma_check_gather(
+            m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shading, &pass, &sum);
+    if (!result) result = add_smoothed(m, sum.twice_area, &sum.hits[0]);
+    norma_check_sum_free(&sum);
     return result;
 }

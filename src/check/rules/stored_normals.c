@@ -13,7 +13,6 @@ static const double TWO_DIGITS = .025; /* what writing numbers with two digits d
 typedef struct length_pass {
     const check_mesh *m;
     double tolerance;
-    check_lengths *parts;
 } length_pass;
 
 static double normal_tolerance(const check_mesh *m) {
@@ -24,7 +23,7 @@ static double normal_tolerance(const check_mesh *m) {
     return norma_core_unit_tolerance(bits, m->run->options.strict);
 }
 
-static void judge_normal(const length_pass *pass, check_lengths *part, size_t number) {
+static void judge_normal(const length_pass *pass, check_sum *part, size_t number) {
     const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, number, n);
@@ -32,20 +31,19 @@ static void judge_normal(const length_pass *pass, check_lengths *part, size_t nu
     if (is == CORE_LENGTH_UNIT || (m->users && m->users[number] == UINT32_MAX)) return;
     const check_spot spot = norma_check_normal_spot(m, number);
     if (is == CORE_LENGTH_NON_FINITE)
-        norma_check_hit(m->run, &part->non_finite, 0, spot);
+        norma_check_hit(m->run, &part->hits[CHECK_LENGTH_NOT_FINITE], 0, spot);
     else if (is == CORE_LENGTH_ZERO)
-        norma_check_hit(m->run, &part->zero, length, spot);
+        norma_check_hit(m->run, &part->hits[CHECK_LENGTH_NONE], length, spot);
     else
         norma_check_hit(m->run,
-            m->run->format == NORMA_FILE_OBJ && fabs(length - 1) <= TWO_DIGITS ? &part->rounded
-                                                                               : &part->non_unit,
+            &part->hits[m->run->format == NORMA_FILE_OBJ && fabs(length - 1) <= TWO_DIGITS
+                            ? CHECK_LENGTH_ROUNDED
+                            : CHECK_LENGTH_OFF],
             fabs(length - 1), spot);
 }
 
-static void judge_normals(void *context, size_t block, size_t begin, size_t end) {
-    const length_pass *pass = context;
-    pass->parts[block].zero.least = 1;
-    for (size_t i = begin; i < end; ++i) judge_normal(pass, &pass->parts[block], i);
+static void judge_normals(const void *pass, check_sum *part, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) judge_normal(pass, part, i);
 }
 
 /* ---- how many normals of no length belong to degenerate faces only, or to no face: a word of
@@ -109,7 +107,7 @@ static int wants_lengths(const check_mesh *m, check_rule rule) {
 }
 
 static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_hits *hits) {
-    if (!hits->count || !wants_lengths(m, RULE_N103)) return NORMA_OK;
+    if (!wants_lengths(m, RULE_N103)) return NORMA_OK;
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N103, .severity = severity, .unit = "length", .hits = hits},
         "too bright or too dark, if a shader does not renormalise: %z normal%s whose length "
@@ -117,63 +115,42 @@ static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_h
         hits->count, norma_check_plural(hits->count), hits->worst);
 }
 
-static norma_result add_lengths(check_mesh *m, check_lengths *sum, const check_idle *idle) {
+norma_result norma_check_lengths_add(check_mesh *m, check_sum *sum, const check_idle *idle) {
+    check_hits *not_finite = &sum->hits[CHECK_LENGTH_NOT_FINITE],
+               *zero = &sum->hits[CHECK_LENGTH_NONE];
     norma_result result = NORMA_OK;
-    if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
+    if (norma_check_wants(m, RULE_N101))
         result = norma_check_report(m,
             &(check_finding){.rule = RULE_N101,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
-                .hits = &sum->non_finite},
+                .hits = not_finite},
             "black or white spots: %z normal%s with a component that is NaN or infinite",
-            sum->non_finite.count, norma_check_plural(sum->non_finite.count));
-    if (!result && wants_lengths(m, RULE_N102) && sum->zero.count)
-        result = add_zero(m, &sum->zero, idle);
-    if (!result) result = add_non_unit(m, NORMA_SEVERITY_ERROR, &sum->non_unit);
-    return result ? result : add_non_unit(m, NORMA_SEVERITY_WARNING, &sum->rounded);
+            not_finite->count, norma_check_plural(not_finite->count));
+    if (!result && wants_lengths(m, RULE_N102)) result = add_zero(m, zero, idle);
+    if (!result) result = add_non_unit(m, NORMA_SEVERITY_ERROR, &sum->hits[CHECK_LENGTH_OFF]);
+    return result ? result
+                  : add_non_unit(m, NORMA_SEVERITY_WARNING, &sum->hits[CHECK_LENGTH_ROUNDED]);
 }
 
-void norma_check_lengths_drop(check_lengths *sum) {
-    norma_check_hits_free(&sum->non_finite);
-    norma_check_hits_free(&sum->zero);
-    norma_check_hits_free(&sum->non_unit);
-    norma_check_hits_free(&sum->rounded);
-}
-
-norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, const check_idle *idle) {
-    const norma_result result = add_lengths(m, sum, idle);
-    norma_check_lengths_drop(sum);
-    return result;
-}
-
-norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
-    size_t count = norma_check_normal_count(m),
-           blocks = norma_check_block_count(count, NORMALS_IN_BLOCK);
-    sum->zero.least = 1;
+norma_result norma_check_lengths_look(check_mesh *m, check_sum *sum) {
+    const size_t count = norma_check_normal_count(m);
+    const length_pass pass = {m, normal_tolerance(m)};
+    sum->hits[CHECK_LENGTH_NONE].least = 1;
     if (!count || !norma_check_wants_any(m, RULE_N101, RULE_N103)) return NORMA_OK;
-    length_pass pass = {
-        m, normal_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    norma_result result = pass.parts ? norma_check_users(m) : NORMA_ERROR_MEMORY;
-    if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    if (!result)
-        result = norma_check_blocks(&m->run->call, count, NORMALS_IN_BLOCK, judge_normals, &pass);
-    for (size_t i = 0; pass.parts && i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &sum->non_finite, &pass.parts[i].non_finite);
-        norma_check_hits_merge(m->run, &sum->zero, &pass.parts[i].zero);
-        norma_check_hits_merge(m->run, &sum->non_unit, &pass.parts[i].non_unit);
-        norma_check_hits_merge(m->run, &sum->rounded, &pass.parts[i].rounded);
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    return result;
+    const norma_result result = norma_check_users(m);
+    return result ? result
+                  : norma_check_gather(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass, sum);
 }
 
 norma_result norma_check_lengths(check_mesh *m) {
-    check_lengths sum = {.zero.least = 1};
+    check_sum sum = {.twice_area = 0};
     check_idle idle = {0};
     norma_result result = norma_check_lengths_look(m, &sum);
-    if (!result && sum.zero.count && wants_lengths(m, RULE_N102)) result = count_idle(m, &idle);
+    if (!result && sum.hits[CHECK_LENGTH_NONE].count && wants_lengths(m, RULE_N102))
+        result = count_idle(m, &idle);
     if (!result) result = norma_check_lengths_add(m, &sum, &idle);
-    norma_check_lengths_drop(&sum);
+    norma_check_sum_free(&sum);
     return result;
 }
 

@@ -171,15 +171,12 @@ norma_result norma_check_tangent_deviation(check_mesh *m) {
 enum { TANGENTS_IN_BLOCK = 1 << 14 };
 static const double LEANS = 0.1;
 
-typedef struct tangent_part {
-    check_hits bad, sign, leaning;
-} tangent_part;
+enum { BAD_TANGENTS, BAD_SIGNS, LEANING }; /* hits */
 
 typedef struct tangent_pass {
     const check_mesh *m;
     double tolerance;
     size_t normals; /* of vertices; 0: none to compare with */
-    tangent_part *parts;
 } tangent_pass;
 
 static double length_tolerance(const check_mesh *m) {
@@ -198,92 +195,76 @@ static double lean_of(const tangent_pass *pass, size_t v, const double tangent[3
            (length * normal_length);
 }
 
-static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v) {
+static void judge_tangent(const tangent_pass *pass, check_sum *part, size_t v) {
     const check_run *run = pass->m->run;
     const float *stored = pass->m->given->attributes.tangents + 4 * v;
     const double t[3] = {(double)stored[0], (double)stored[1], (double)stored[2]};
     double length;
     const core_length is = norma_core_judge_length(t, pass->tolerance, &length);
     if (is != CORE_LENGTH_UNIT)
-        norma_check_hit(run, &part->bad, is == CORE_LENGTH_NON_FINITE ? INFINITY : fabs(length - 1),
-            norma_check_vertex(v));
+        norma_check_hit(run, &part->hits[BAD_TANGENTS],
+            is == CORE_LENGTH_NON_FINITE ? INFINITY : fabs(length - 1), norma_check_vertex(v));
     if (stored[3] != 1 && stored[3] != -1)
-        norma_check_hit(run, &part->sign, (double)stored[3], norma_check_vertex(v));
+        norma_check_hit(run, &part->hits[BAD_SIGNS], (double)stored[3], norma_check_vertex(v));
     if (is >= CORE_LENGTH_ZERO) return;
     double lean = lean_of(pass, v, t, length);
     if (lean > LEANS)
-        norma_check_hit(run, &part->leaning,
+        norma_check_hit(run, &part->hits[LEANING],
             norma_check_arc_sine(fmin(lean, 1)) * (180 / 3.141592653589793), norma_check_vertex(v));
 }
 
-static void judge_tangents(void *context, size_t block, size_t begin, size_t end) {
-    const tangent_pass *pass = context;
-    for (size_t v = begin; v < end; ++v) judge_tangent(pass, &pass->parts[block], v);
+static void judge_tangents(const void *pass, check_sum *part, size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) judge_tangent(pass, part, v);
 }
 
-static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
+static norma_result add_tangent_findings(check_mesh *m, check_sum *sum) {
+    check_hits *bad = &sum->hits[BAD_TANGENTS], *sign = &sum->hits[BAD_SIGNS],
+               *leaning = &sum->hits[LEANING];
     norma_result result = NORMA_OK;
     char map[CHECK_MESSAGE];
     name_of_map(m, map);
-    if (norma_check_wants(m, RULE_N801) && sum->bad.count)
+    if (norma_check_wants(m, RULE_N801))
         result = norma_check_report(m,
-            &(check_finding){.rule = RULE_N801,
-                .severity = NORMA_SEVERITY_ERROR,
-                .unit = "length",
-                .hits = &sum->bad},
+            &(check_finding){
+                .rule = RULE_N801, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = bad},
             "black spots, or light from a wrong side, %s%s: %z tangent%s with a component that is "
             "not finite or a length other than 1",
-            *map ? "through the normal map" : "where a normal map is read", map, sum->bad.count,
-            norma_check_plural(sum->bad.count));
-    if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count)
+            *map ? "through the normal map" : "where a normal map is read", map, bad->count,
+            norma_check_plural(bad->count));
+    if (!result && norma_check_wants(m, RULE_N802))
         result = norma_check_report(m,
-            &(check_finding){.rule = RULE_N802,
-                .severity = NORMA_SEVERITY_ERROR,
-                .no_value = 1,
-                .hits = &sum->sign},
+            &(check_finding){
+                .rule = RULE_N802, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = sign},
             "bumps%s%s become dents or have the wrong height: %z tangent%s with a sign that is "
             "neither 1 nor -1",
-            *map ? " of the normal map" : "", map, sum->sign.count,
-            norma_check_plural(sum->sign.count));
-    if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count)
+            *map ? " of the normal map" : "", map, sign->count, norma_check_plural(sign->count));
+    if (!result && norma_check_wants(m, RULE_N803))
         result = norma_check_report(m,
             &(check_finding){.rule = RULE_N803,
                 .severity = norma_check_tangent_severity(m),
                 .unit = "deg",
-                .hits = &sum->leaning},
+                .hits = leaning},
             "%s%s%s: %z tangent%s up to %g degrees off perpendicular to the normal",
             !m->given->material.normal_map ? "not seen, as no normal map uses them here"
             : *map                         ? "the normal map"
                                            : "a normal map",
-            map, m->given->material.normal_map ? " bends light the wrong way" : "",
-            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
+            map, m->given->material.normal_map ? " bends light the wrong way" : "", leaning->count,
+            norma_check_plural(leaning->count), leaning->worst);
     return result;
 }
 
 static norma_result judge_values(check_mesh *m) {
-    size_t count = m->given->attributes.tangents ? m->given->attributes.tangent_count : 0,
-           blocks = norma_check_block_count(count, TANGENTS_IN_BLOCK);
+    const size_t count = m->given->attributes.tangents ? m->given->attributes.tangent_count : 0;
     if (!count || !norma_check_wants_any(m, RULE_N801, RULE_N803)) return NORMA_OK;
-    tangent_part sum = {0};
-    tangent_pass pass = {.m = m,
+    check_sum sum = {.twice_area = 0};
+    const tangent_pass pass = {.m = m,
         .tolerance = length_tolerance(m),
-        .parts = norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return NORMA_ERROR_MEMORY;
-    if (m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
-        pass.normals = norma_check_normal_count(m);
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
+        .normals =
+            m->given->info.normals == NORMA_NORMALS_PER_VERTEX ? norma_check_normal_count(m) : 0};
     norma_result result =
-        norma_check_blocks(&m->run->call, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
-    for (size_t i = 0; i < blocks; ++i) {
-        norma_check_hits_merge(m->run, &sum.bad, &pass.parts[i].bad);
-        norma_check_hits_merge(m->run, &sum.sign, &pass.parts[i].sign);
-        norma_check_hits_merge(m->run, &sum.leaning, &pass.parts[i].leaning);
-    }
+        norma_check_gather(m->run, count, TANGENTS_IN_BLOCK, judge_tangents, &pass, &sum);
     if (!result) result = add_tangent_findings(m, &sum);
-    norma_check_hits_free(&sum.bad);
-    norma_check_hits_free(&sum.sign);
-    norma_check_hits_free(&sum.leaning);
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+    norma_check_sum_free(&sum);
     return result;
 }
 

@@ -18,10 +18,8 @@ typedef struct large_check {
     norma_check_mesh given; /* of the whole file: counts alone */
     check_mesh whole;
     check_hits unplaced;
-    check_lengths lengths;
-    check_facets facets;
-    check_shapes shapes;
-    check_polygons polygons;
+    check_sum lengths, facets, shapes, polygons;
+    double facet_area; /* twice, of all faces */
     check_largest largest;
     uint8_t *zeros;  /* two bits for each vertex whose normal has no length: no face with a
                         direction, and no face at all, was seen to use it; NULL: none has */
@@ -71,9 +69,9 @@ static norma_document_result look_at_vertices(void *context, const large_vertice
     if (result) return norma_check_fail(c->error, result);
     c->run.part = &place;
     norma_check_find_largest(&m.mesh, part->first, &c->largest);
-    const size_t zeros = c->lengths.zero.count;
+    const size_t zeros = c->lengths.hits[CHECK_LENGTH_NONE].count;
     if (part->normals.count) result = norma_check_lengths_look(&m, &c->lengths);
-    if (!result && c->lengths.zero.count > zeros) result = note_zeros(c, part);
+    if (!result && c->lengths.hits[CHECK_LENGTH_NONE].count > zeros) result = note_zeros(c, part);
     c->run.part = NULL;
     norma_check_close_mesh(&m);
     return result ? norma_check_fail(c->error, result) : NORMA_DOCUMENT_OK;
@@ -105,7 +103,7 @@ static norma_result look_at_part(large_check *c, check_mesh *m, const large_surf
     if (!result && part->normals.count) result = norma_check_lengths_look(m, &c->lengths);
     if (!result && part->normals.count && norma_check_wants(m, RULE_N205)) {
         result = norma_check_facets_look(m, &c->facets, NULL);
-        c->facets.whole_area = norma_check_add_areas(m, c->facets.whole_area);
+        c->facet_area = norma_check_add_areas(m, c->facet_area);
     }
     if (!result) result = norma_check_shapes_look(m, &c->shapes);
     if (!result) result = norma_check_polygons_look(m, &c->polygons);
@@ -237,7 +235,7 @@ static norma_result add_large_findings(large_check *c) {
         result = norma_check_unplaced_add(
             m, &c->unplaced, is_nothing ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_WARNING);
     if (!result) result = norma_check_lengths_add(m, &c->lengths, &c->idle);
-    if (!result) result = norma_check_facets_add(m, &c->facets);
+    if (!result) result = norma_check_facets_add(m, &c->facets, c->facet_area);
     if (!result) result = norma_check_shapes_add(m, &c->shapes);
     if (!result) result = norma_check_polygons_add(m, &c->polygons);
     if (!result && m->mesh.face_count && norma_check_wants(m, RULE_N702))
@@ -287,10 +285,8 @@ static norma_document_result judge_parts(large_check *c) {
 
 static void drop(large_check *c) {
     norma_check_hits_free(&c->unplaced);
-    norma_check_lengths_drop(&c->lengths);
-    norma_check_hits_free(&c->facets.hits);
-    norma_check_shapes_drop(&c->shapes);
-    norma_check_polygons_drop(&c->polygons);
+    check_sum *const sums[] = {&c->lengths, &c->facets, &c->shapes, &c->polygons};
+    for (size_t i = 0; i < sizeof sums / sizeof *sums; ++i) norma_check_sum_free(sums[i]);
     free(c->zeros);
 }
 
