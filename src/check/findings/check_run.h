@@ -49,8 +49,7 @@ typedef struct check_sum {
     double twice_area;
 } check_sum;
 
-typedef struct check_member check_member;             /* rules/seams.c */
-typedef struct check_solid_member check_solid_member; /* rules/solids.c */
+typedef struct check_mesh check_mesh;
 
 /* Several meshes as one, of positions of its own: its faces are theirs, one after another.
  * (check_mesh.c) */
@@ -74,7 +73,10 @@ typedef struct check_judge {
 typedef struct check_group {
     const norma_check_mesh *meshes;
     size_t count;
-    const size_t *orders; /* of their places; NULL: as they come */
+    check_mesh *each;             /* of them */
+    check_mesh **seams, **solids; /* those of each that are held until the last one has come: for
+                                     N501; for N301, N302, N304 and N307 */
+    size_t seam_count, solid_count;
     check_judge
         *judge; /* of all their faces together: own, or that of a surface that is the same */
     check_judge own;
@@ -104,18 +106,12 @@ typedef struct check_run {
     int has_tile_instances; /* what they do to a node no fix can bake */
     size_t next_order;      /* places are numbered as they come */
     check_group *group;     /* the meshes that are looked at together now */
-    check_member *members;  /* primitives held for N501 */
-    size_t member_count, member_room;
-    check_solid_member *solids; /* primitives held for N302 and N304 */
-    size_t solid_count, solid_room;
 } check_run;
 
 typedef struct check_place {
     size_t order;              /* of run->next_order++ */
     const char *where, *label; /* copied when a finding is added */
 } check_place;
-
-typedef struct check_mesh check_mesh;
 
 typedef struct check_finding { /* to be added, by norma_check_report or norma_check_add */
     check_rule rule;
@@ -150,15 +146,11 @@ void norma_check_also(const check_run *run, check_hits *hits, check_spot spot);
 /* into is followed by from; from is emptied. */
 void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *from);
 void norma_check_hits_free(check_hits *hits);
-/* mesh may be NULL: samples then have no positions. MEMORY. Frees the hits' samples in any case. */
-norma_result norma_check_add(
-    check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report);
+/* With a message, at a place that is no mesh. MEMORY. Frees the hits' samples in any case. */
+norma_result norma_check_add(check_run *run, const check_place *place, check_finding *report);
 /* A finding of count 1 without a value. */
-norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
-    check_rule rule, norma_severity severity, const char *message);
-/* The same of so many degrees. */
-norma_result norma_check_add_degrees(const check_mesh *m, check_rule rule, norma_severity severity,
-    double degrees, const char *message);
+norma_result norma_check_add_one(check_run *run, const check_place *place, check_rule rule,
+    norma_severity severity, const char *message);
 void norma_check_partly(
     check_run *run); /* something was not checked, whether N002 was asked for or not */
 
@@ -171,6 +163,9 @@ enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
 /* norma_check_add at the mesh's place, with such a message. */
 norma_result norma_check_report(check_mesh *m, check_finding *report, const char *format, ...);
+/* The same of one that counts 1. degrees: its value; NaN: it has none. */
+norma_result norma_check_report_one(check_mesh *m, check_rule rule, norma_severity severity,
+    double degrees, const char *format, ...);
 /* For messages: "1 tangent", "2 tangents". */
 static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
@@ -186,7 +181,7 @@ typedef struct check_face {
 struct check_mesh {
     check_run *run;
     const norma_check_mesh *given;
-    check_place place;
+    size_t order;                    /* of its place */
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
     int in_parts;   /* the whole of a file that is never in memory: it has counts, but no arrays */
     size_t number;  /* in run->group */
@@ -209,6 +204,9 @@ struct check_mesh {
     int has_deviation;
     norma_deviation deviation;
     size_t deviation_corner; /* where it is greatest; SIZE_MAX: all are zero */
+    /* Of one of the group's solids: */
+    uint32_t *welded; /* of each corner: positions that are one, the least of them */
+    uint8_t *loose;   /* of each face: its component is not closed */
 };
 enum { CHECK_UNKNOWN = 0, CHECK_NO, CHECK_YES };
 

@@ -81,15 +81,11 @@ static void add_large(text *t, unsigned digits, int power) {
 static void add_double(text *t, double value) {
     int power;
     if (isnan(value) || isinf(value) || value == 0) {
-        put_bytes(t,
-            isnan(value) ? "NaN"
-            : value == 0 ? "0"
-            : value < 0  ? "-infinity"
-                         : "infinity",
-            strlen(isnan(value) ? "NaN"
-                   : value == 0 ? "0"
-                   : value < 0  ? "-infinity"
-                                : "infinity"));
+        const char *word = isnan(value) ? "NaN"
+                           : value == 0 ? "0"
+                           : value < 0  ? "-infinity"
+                                        : "infinity";
+        put_bytes(t, word, strlen(word));
         return;
     }
     if (value < 0) put_bytes(t, "-", 1);
@@ -135,16 +131,6 @@ void norma_check_message(char out[CHECK_MESSAGE], const char *format, ...) {
     va_start(arguments, format);
     write_message(out, format, arguments);
     va_end(arguments);
-}
-
-norma_result norma_check_report(check_mesh *m, check_finding *report, const char *format, ...) {
-    char message[CHECK_MESSAGE];
-    va_list arguments;
-    va_start(arguments, format);
-    write_message(message, format, arguments);
-    va_end(arguments);
-    report->message = message;
-    return norma_check_add(m->run, &m->place, m, report);
 }
 
 /* ---- How a place in the file is named, and which rules its owner switched off there. */
@@ -353,7 +339,8 @@ static norma_result fill_finding(norma_finding *finding, const check_place *plac
     return complete ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-norma_result norma_check_add(
+/* mesh may be NULL: samples then have no positions. */
+static norma_result add_finding(
     check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report) {
     norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && report->hits->count) {
@@ -368,6 +355,50 @@ norma_result norma_check_add(
         }
     }
     norma_check_hits_free(report->hits);
+    return result;
+}
+
+norma_result norma_check_add(check_run *run, const check_place *place, check_finding *report) {
+    return add_finding(run, place, NULL, report);
+}
+
+static norma_result add_to_mesh(
+    check_mesh *m, check_finding *report, const char *format, va_list arguments) {
+    char message[CHECK_MESSAGE], label[CHECK_MESSAGE];
+    const norma_mesh_info *info = &m->given->info;
+    write_message(message, format, arguments);
+    norma_check_label(info, label);
+    report->message = message;
+    const check_place place = {m->order, info->where ? info->where : "", label};
+    return add_finding(m->run, &place, m, report);
+}
+
+norma_result norma_check_report(check_mesh *m, check_finding *report, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const norma_result result = add_to_mesh(m, report, format, arguments);
+    va_end(arguments);
+    return result;
+}
+
+static check_hits one_hit(const check_run *run, double value) {
+    check_hits hits = {0};
+    norma_check_hit(run, &hits, value, CHECK_NOWHERE);
+    return hits;
+}
+
+norma_result norma_check_report_one(check_mesh *m, check_rule rule, norma_severity severity,
+    double degrees, const char *format, ...) {
+    check_hits hits = one_hit(m->run, degrees);
+    check_finding report = {.rule = rule,
+        .severity = severity,
+        .unit = isnan(degrees) ? "" : "deg",
+        .no_value = isnan(degrees),
+        .hits = &hits};
+    va_list arguments;
+    va_start(arguments, format);
+    const norma_result result = add_to_mesh(m, &report, format, arguments);
+    va_end(arguments);
     return result;
 }
 
@@ -395,22 +426,12 @@ int norma_findings_copy(norma_findings *findings, const norma_finding *finding, 
     return complete;
 }
 
-norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
-    check_rule rule, norma_severity severity, const char *message) {
-    check_hits hits = {0};
-    norma_check_hit(run, &hits, 0, CHECK_NOWHERE);
-    return norma_check_add(run, place, mesh,
+norma_result norma_check_add_one(check_run *run, const check_place *place, check_rule rule,
+    norma_severity severity, const char *message) {
+    check_hits hits = one_hit(run, 0);
+    return norma_check_add(run, place,
         &(check_finding){
             .rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});
-}
-
-norma_result norma_check_add_degrees(const check_mesh *m, check_rule rule, norma_severity severity,
-    double degrees, const char *message) {
-    check_hits hits = {0};
-    norma_check_hit(m->run, &hits, degrees, CHECK_NOWHERE);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){
-            .rule = rule, .severity = severity, .unit = "deg", .hits = &hits, .message = message});
 }
 
 void norma_check_partly(check_run *run) { run->findings->partly = 1; }

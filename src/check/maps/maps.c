@@ -434,12 +434,12 @@ static norma_result add_map_finding(
     norma_check_message(message, map->name ? "normal map \"%s\": %s" : "normal map: %s%s",
         map->name ? map->name : "", what);
     norma_check_hit(m->run, &one, value, CHECK_NOWHERE);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = rule,
             .severity = NORMA_SEVERITY_WARNING,
             .unit = rule == RULE_N811 ? "%" : "",
-            .hits = &one,
-            .message = message});
+            .hits = &one},
+        "%s", message);
 }
 
 /* ---- N811 */

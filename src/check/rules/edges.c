@@ -231,13 +231,13 @@ static norma_result add_conflicts_of(
         NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
     char message[CHECK_MESSAGE];
     describe_conflicts(kind, hits->count, turned, message);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N301,
             .severity = informs ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
             .no_fix = kind != CONFLICT_TURNED,
-            .hits = hits,
-            .message = message});
+            .hits = hits},
+        "%s", message);
 }
 
 /* Reports the hits of each kind and frees them; edges and sides: of the mesh's own faces. */
@@ -304,12 +304,12 @@ static norma_result add_many(check_mesh *m, check_hits *many, check_hits *bow_ti
     norma_severity severity = edges && m->run->profile == NORMA_CHECK_PROFILE_PRINT
                                   ? NORMA_SEVERITY_WARNING
                                   : NORMA_SEVERITY_INFO;
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N303,
             .severity = severity,
             .unit = edges ? "faces" : "fans",
-            .hits = many,
-            .message = message});
+            .hits = many},
+        "%s", message);
 }
 
 static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice_area) {

@@ -165,15 +165,13 @@ norma_result norma_check_is_placeholder(check_mesh *m, int *is) {
 
 norma_result norma_check_placeholder(check_mesh *m) {
     placeholder p;
-    char message[CHECK_MESSAGE];
     if (!norma_check_wants(m, RULE_N203)) return NORMA_OK;
     const norma_result result = find_placeholder(m, &p);
     if (result || m->placeholder != CHECK_YES) return result;
-    norma_check_message(message,
+    return norma_check_report_one(m, RULE_N203,
+        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, NAN,
         "lit like a flat plate: %z of %z normals are (%g, %g, %g), although the mesh is curved",
         p.alike, p.used, p.normal[0], p.normal[1], p.normal[2]);
-    return norma_check_add_one(m->run, &m->place, m, RULE_N203,
-        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, message);
 }
 
 /* ---- N204: how far the stored normals are from the computed ones that explain them best. */
@@ -227,13 +225,13 @@ norma_result norma_check_deviation(check_mesh *m) {
     norma_check_hit_greatest(m, &hits, deviation->max_rad * (180 / NORMA_PI), m->deviation_corner);
     hits.count = count_normals(m);
     describe_deviation(deviation, hits.count, message);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N204,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,
-            .message = message,
-            .deviation = deviation});
+            .deviation = deviation},
+        "%s", message);
 }
 
 /* ---- N206: normals of another frame. Nothing that could have been computed from the surface
@@ -266,7 +264,7 @@ static norma_result is_near_surface(check_mesh *m, int *is_near) {
         m->given->info.normals == NORMA_NORMALS_PER_FACET)
         return NORMA_OK;
     const norma_result result = norma_check_around(m);
-    const norma_deviation *likely = norma_places_deviation(m->run->known, m->place.where);
+    const norma_deviation *likely = norma_places_deviation(m->run->known, m->given->info.where);
     return result ? result
                   : norma_explain_is_near(
                         &m->run->call, &m->given->data, &m->mesh, &m->topology, likely, is_near);
@@ -330,22 +328,18 @@ static void describe_frame(const explain_frame *f, char text[CHECK_MESSAGE]) {
 }
 
 static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
-    char message[CHECK_MESSAGE], how[CHECK_MESSAGE], trial[CHECK_MESSAGE];
+    char how[CHECK_MESSAGE], trial[CHECK_MESSAGE];
+    const norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR;
     const double degrees = 180 / NORMA_PI, median = m->deviation.p50_rad * degrees;
     describe_frame(frame, how);
     describe_trial(&frame->trial, trial);
-    if (frame->kind)
-        norma_check_message(message,
-            "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
-            "more; %s, to within %g degrees at half of them (%s)",
-            median, how, frame->median_rad * degrees, trial);
-    else
-        norma_check_message(message,
-            "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
-            "more; %s",
-            median, how);
-    return norma_check_add_degrees(
-        m, RULE_N206, m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR, median, message);
+    return norma_check_report_one(m, RULE_N206, severity, median,
+        frame->kind
+            ? "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
+              "more; %s, to within %g degrees at half of them (%s)"
+            : "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
+              "more; %s",
+        median, how, frame->median_rad * degrees, trial);
 }
 
 norma_result norma_check_frame(check_mesh *m) {

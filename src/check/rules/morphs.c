@@ -150,7 +150,6 @@ static norma_result judge_sums(check_mesh *m) {
 /* ---- N903 */
 
 static norma_result judge_bases(check_mesh *m) {
-    char message[CHECK_MESSAGE];
     size_t normals = 0, tangents = 0;
     for (size_t t = 0; t < m->given->morph_count; ++t) {
         normals +=
@@ -159,12 +158,11 @@ static norma_result judge_bases(check_mesh *m) {
                     !m->given->info.has_tangents;
     }
     if (!normals && !tangents) return NORMA_OK;
-    norma_check_message(message,
+    return norma_check_report_one(m, RULE_N903, NORMA_SEVERITY_ERROR, NAN,
         "refused by validators: %z morph target%s with %s to add to those of the mesh, which has "
         "none",
         normals ? normals : tangents, norma_check_plural(normals ? normals : tangents),
         normals ? "normals" : "tangents");
-    return norma_check_add_one(m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, message);
 }
 
 norma_result norma_check_morphs(check_mesh *m) {

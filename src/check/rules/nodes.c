@@ -95,7 +95,7 @@ static norma_result add_node_finding(const node_judgement *j, check_rule rule,
     norma_severity severity, size_t count, double worst, const char *unit, const char *message) {
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
     if (!count || !j->rules[rule]) return NORMA_OK;
-    return norma_check_add(j->run, &j->place, NULL,
+    return norma_check_add(j->run, &j->place,
         &(check_finding){.rule = rule,
             .severity = severity,
             .unit = unit,

@@ -459,11 +459,9 @@ static norma_result check_distance(check_mesh *m) {
 norma_result norma_check_encoding_add(check_mesh *m) {
     double bound = norma_check_encoding_bound(m->given->info.encoding) * (180 / 3.141592653589793);
     if (bound <= .25 || !norma_check_normal_count(m)) return NORMA_OK;
-    char message[CHECK_MESSAGE];
-    norma_check_message(message,
+    return norma_check_report_one(m, RULE_N702, NORMA_SEVERITY_INFO, bound,
         "bands in reflections: normals are stored as %s, which errs by up to %g degrees",
         m->given->info.encoding, bound);
-    return norma_check_add_degrees(m, RULE_N702, NORMA_SEVERITY_INFO, bound, message);
 }
 
 /* ---- N502: each vertex is used once, and positions coincide. STL knows no other way. */
@@ -487,16 +485,15 @@ static norma_result count_used(check_mesh *m, size_t *used, size_t *places) {
 
 static norma_result check_soup(check_mesh *m) {
     size_t used, places;
-    char message[CHECK_MESSAGE];
     if (m->run->format == NORMA_FILE_STL || m->mesh.face_count < 2 ||
         m->mesh.positions.count < m->mesh.corner_count)
         return NORMA_OK;
     norma_result result = norma_check_weld(m);
     if (!result) result = count_used(m, &used, &places);
     if (result || used < m->mesh.corner_count || places == used) return result;
-    norma_check_message(message, "nothing is shared: %z vertices for %z corners at %z positions",
-        used, m->mesh.corner_count, places);
-    return norma_check_add_one(m->run, &m->place, m, RULE_N502, NORMA_SEVERITY_INFO, message);
+    return norma_check_report_one(m, RULE_N502, NORMA_SEVERITY_INFO, NAN,
+        "nothing is shared: %z vertices for %z corners at %z positions", used, m->mesh.corner_count,
+        places);
 }
 
 norma_result norma_check_precision(check_mesh *m) {

@@ -33,7 +33,6 @@ norma_result norma_check_morphs(check_mesh *m);            /* morphs.c: N901 to 
 /* Over the primitives of one glTF mesh together, which were held until the last one came. */
 norma_result norma_check_seams_joined(check_run *run);  /* seams.c: N501 */
 norma_result norma_check_solids_joined(check_run *run); /* solids.c: N301, N302, N304, N307 */
-void norma_check_solids_drop(check_run *run);
 
 /* nodes.c: N601 to N605, with the materials of the meshes that nodes draw (info.mesh and material
  * of scene->meshes). world_of gives the world matrix of one instance of a node by its index in

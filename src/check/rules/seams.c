@@ -272,12 +272,6 @@ static norma_result check_add_seams(check_mesh *m, check_sum *seams) {
 
 enum { JOINED_IN_BLOCK = 1 << 13 };
 
-struct check_member {
-    const norma_check_mesh *given;
-    size_t order, begin; /* begin: its first vertex in the whole */
-    core_mesh mesh;
-};
-
 typedef struct joined {
     check_run *run;
     norma_check_mesh given;
@@ -291,25 +285,13 @@ typedef struct joined {
     const seam_creases *creases; /* NULL: not known yet */
 } joined;
 
-/* Those that are held are judged by norma_check_seams_joined. */
-static norma_result check_seams_hold(check_mesh *m) {
-    check_run *run = m->run;
-    check_member *members =
-        norma_check_grow(run->members, run->member_count, &run->member_room, sizeof *members);
-    if (!members) return NORMA_ERROR_MEMORY;
-    run->members = members;
-    run->members[run->member_count++] =
-        (check_member){.given = m->given, .order = m->place.order, .mesh = m->mesh};
-    return NORMA_OK;
-}
-
 /* ---- the whole */
 
-static int has_all(const check_run *run, int colors) {
-    for (size_t i = 0; i < run->member_count; ++i) {
-        const norma_mesh_attributes *a = &run->members[i].given->attributes;
+static int has_all(const check_group *group, int colors) {
+    for (size_t i = 0; i < group->seam_count; ++i) {
+        const norma_mesh_attributes *a = &group->seams[i]->given->attributes;
         if (colors ? !a->colors
-                   : !a->texcoords || a->texcoord_count < run->members[i].mesh.positions.count)
+                   : !a->texcoords || a->texcoord_count < group->seams[i]->mesh.positions.count)
             return 0;
     }
     return 1;
@@ -346,10 +328,10 @@ static void close_joined(joined *j) {
     norma_core_release(call, j->positions, v, 3 * sizeof *j->positions);
 }
 
-static void copy_member(joined *j, size_t number, size_t corner) {
-    const check_member *member = &j->run->members[number];
+static void copy_member(joined *j, size_t number, size_t begin, size_t corner) {
+    const check_mesh *member = j->run->group->seams[number];
     const norma_mesh_attributes *a = &member->given->attributes;
-    size_t begin = member->begin, count = member->mesh.positions.count;
+    const size_t count = member->mesh.positions.count;
     for (size_t v = 0; v < count; ++v) {
         norma_view_read(&member->mesh.positions, v, &j->positions[3 * (begin + v)]);
         norma_view_read(&member->given->data.normals, v, &j->normals[3 * (begin + v)]);
@@ -366,10 +348,11 @@ static void copy_member(joined *j, size_t number, size_t corner) {
 }
 
 static norma_result fill_joined(joined *j) {
-    size_t corner = 0;
-    for (size_t i = 0; i < j->run->member_count; ++i) {
-        copy_member(j, i, corner);
-        corner += j->run->members[i].mesh.corner_count;
+    size_t vertex = 0, corner = 0;
+    for (size_t i = 0; i < j->run->group->seam_count; ++i) {
+        copy_member(j, i, vertex, corner);
+        vertex += j->run->group->seams[i]->mesh.positions.count;
+        corner += j->run->group->seams[i]->mesh.corner_count;
     }
     j->given.data.mesh =
         (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
@@ -407,18 +390,18 @@ static void judge_joined_positions(void *context, size_t block, size_t begin, si
     }
 }
 
-static norma_result add_member(joined *j, size_t number) {
-    const check_member *member = &j->run->members[number];
-    check_mesh m = {.run = j->run, .given = member->given, .mesh = member->mesh};
-    check_sum seams = {.twice_area = 0};
-    char label[CHECK_MESSAGE];
-    for (size_t v = 0; v < member->mesh.positions.count; ++v)
-        hit_seam(j->run, &seams, j->angles[member->begin + v], v);
-    norma_check_label(&member->given->info, label);
-    m.place = (check_place){.order = member->order,
-        .where = member->given->info.where ? member->given->info.where : "",
-        .label = label};
-    return check_add_seams(&m, &seams);
+static norma_result add_members(const joined *j) {
+    norma_result result = NORMA_OK;
+    size_t begin = 0;
+    for (size_t i = 0; i < j->run->group->seam_count && !result; ++i) {
+        check_mesh *m = j->run->group->seams[i];
+        check_sum seams = {.twice_area = 0};
+        for (size_t v = 0; v < m->mesh.positions.count; ++v)
+            hit_seam(j->run, &seams, j->angles[begin + v], v);
+        begin += m->mesh.positions.count;
+        result = check_add_seams(m, &seams);
+    }
+    return result;
 }
 
 static norma_result judge_all(joined *j) {
@@ -444,15 +427,13 @@ static norma_result judge_joined(joined *j) {
         j->creases = &creases;
         result = judge_all(j);
     }
-    for (size_t i = 0; i < j->run->member_count && !result; ++i) result = add_member(j, i);
-    return result;
+    return result ? result : add_members(j);
 }
 
 norma_result norma_check_seams_joined(check_run *run) {
     joined j = {.run = run};
-    for (size_t i = 0; i < run->member_count; ++i) {
-        check_member *member = &run->members[i];
-        member->begin = j.vertices;
+    for (size_t i = 0; i < run->group->seam_count; ++i) {
+        const check_mesh *member = run->group->seams[i];
         if (member->mesh.positions.count >= UINT32_MAX - 1 - j.vertices ||
             member->mesh.corner_count >= UINT32_MAX - 1 - j.corner_count)
             return NORMA_ERROR_OVERFLOW;
@@ -461,11 +442,10 @@ norma_result norma_check_seams_joined(check_run *run) {
         double least = check_seam_least(member->given->info.encoding);
         j.least = least > j.least ? least : j.least;
     }
-    if (!run->member_count) return NORMA_OK;
-    norma_result result = open_joined(&j, has_all(run, 0), has_all(run, 1));
+    if (!run->group->seam_count) return NORMA_OK;
+    norma_result result = open_joined(&j, has_all(run->group, 0), has_all(run->group, 1));
     if (!result) result = judge_joined(&j);
     close_joined(&j);
-    run->member_count = 0;
     return result;
 }
 
@@ -520,7 +500,8 @@ norma_result norma_check_seams(check_mesh *m) {
     norma_result result = NORMA_OK;
     if (m->siblings && can_be_joined(m)) {
         result = norma_check_is_of_another_frame(m, &other_frame);
-        return result || other_frame ? result : check_seams_hold(m);
+        if (!result && !other_frame) m->run->group->seams[m->run->group->seam_count++] = m;
+        return result;
     }
     result = norma_check_faces(m);
     if (!result) result = norma_check_pairs(m);

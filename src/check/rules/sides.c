@@ -292,14 +292,14 @@ norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_
             "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
             "by up to %g degrees; some use the normal, others the winding",
             hits->count, m->mesh.face_count, hits->worst);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N205,
             .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .no_value = zeros == hits->count,
             .no_fix = turned + undecided == hits->count,
-            .hits = hits,
-            .message = message});
+            .hits = hits},
+        "%s", message);
 }
 
 norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind) {

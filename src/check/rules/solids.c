@@ -197,15 +197,6 @@ static norma_result check_tell_solids(const check_solids *s) {
  * itself, even if others touch it; open parts are joined at equal positions. A component is
  * reported at the primitive of its first face. */
 
-struct check_solid_member {
-    const norma_check_mesh *given;
-    core_mesh mesh;
-    size_t order, number; /* in its group */
-    uint8_t rules[CHECK_RULE_COUNT];
-    uint32_t *corners; /* positions that are one, the least of them */
-    uint8_t *loose;    /* of each face: its component is not closed */
-};
-
 typedef struct joined {
     check_run *run;
     size_t vertices, corner_count;
@@ -224,30 +215,13 @@ static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
 
 /* Of a mesh that has siblings, until the last one has come. */
 static norma_result check_solids_hold(check_mesh *m, const core_components *components) {
-    check_run *run = m->run;
-    check_solid_member *grown =
-        norma_check_grow(run->solids, run->solid_count, &run->solid_room, sizeof *grown);
-    if (!grown) return NORMA_ERROR_MEMORY;
-    run->solids = grown;
-    check_solid_member *member = &run->solids[run->solid_count++];
-    *member = (check_solid_member){.given = m->given,
-        .mesh = m->mesh,
-        .order = m->place.order,
-        .number = m->number,
-        .loose = mark_loose(m, components)};
-    memcpy(member->rules, m->rules, sizeof member->rules);
-    member->corners = malloc((m->mesh.corner_count + 1) * sizeof *member->corners);
-    if (!member->corners || !member->loose) return NORMA_ERROR_MEMORY;
-    memcpy(member->corners, m->topology.corners, m->mesh.corner_count * sizeof *member->corners);
+    check_group *group = m->run->group;
+    group->solids[group->solid_count++] = m;
+    m->loose = mark_loose(m, components);
+    m->welded = malloc((m->mesh.corner_count + 1) * sizeof *m->welded);
+    if (!m->welded || !m->loose) return NORMA_ERROR_MEMORY;
+    memcpy(m->welded, m->topology.corners, m->mesh.corner_count * sizeof *m->welded);
     return NORMA_OK;
-}
-
-void norma_check_solids_drop(check_run *run) {
-    for (size_t i = 0; i < run->solid_count; ++i) {
-        free(run->solids[i].corners);
-        free(run->solids[i].loose);
-    }
-    run->solid_count = 0;
 }
 
 /* ---- the whole */
@@ -271,12 +245,12 @@ static void close_solids(joined *j) {
 
 static void fill_solids(joined *j) {
     size_t vertex = 0, corner = 0;
-    for (size_t i = 0; i < j->run->solid_count; ++i) {
-        const check_solid_member *member = &j->run->solids[i];
+    for (size_t i = 0; i < j->run->group->solid_count; ++i) {
+        const check_mesh *member = j->run->group->solids[i];
         for (size_t v = 0; v < member->mesh.positions.count; ++v)
             norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
         for (size_t c = 0; c < member->mesh.corner_count; ++c) {
-            j->corners[corner + c] = (uint32_t)vertex + member->corners[c];
+            j->corners[corner + c] = (uint32_t)vertex + member->welded[c];
             if (member->loose[c / 3]) j->sources[j->loose_count++] = (uint32_t)(corner + c);
         }
         vertex += member->mesh.positions.count;
@@ -308,64 +282,36 @@ static norma_result join_loose(joined *j) {
 
 /* ---- judging */
 
-/* label: of its place, kept by the caller. */
-static check_mesh mesh_of_member(
-    check_run *run, const check_solid_member *member, char label[CHECK_MESSAGE]) {
-    check_mesh m = {.run = run,
-        .given = member->given,
-        .number = member->number,
-        .on_purpose = member->given->material.double_sided || member->given->material.not_opaque,
-        .mesh = member->mesh};
-    memcpy(m.rules, member->rules, sizeof m.rules);
-    norma_check_label(&member->given->info, label);
-    m.place = (check_place){.order = member->order,
-        .where = member->given->info.where ? member->given->info.where : "",
-        .label = label};
-    return m;
-}
-
 static norma_result tell_members(
     check_run *run, const core_topology *topology, const core_components *components) {
     norma_result result = NORMA_OK;
     size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; ++i) {
-        const check_solid_member *member = &run->solids[i];
-        char label[CHECK_MESSAGE];
-        check_mesh m = mesh_of_member(run, member, label);
+    for (size_t i = 0; i < run->group->solid_count && !result; ++i) {
+        check_mesh *m = run->group->solids[i];
         result = check_tell_solids(
-            &(check_solids){&m, topology, components, face, face + member->mesh.face_count});
-        if (!result && norma_check_wants_open(run, m.rules))
-            result = norma_check_add_open(&m, topology, 3 * face);
-        face += member->mesh.face_count;
+            &(check_solids){m, topology, components, face, face + m->mesh.face_count});
+        if (!result && norma_check_wants_open(run, m->rules))
+            result = norma_check_add_open(m, topology, 3 * face);
+        face += m->mesh.face_count;
     }
     return result;
 }
 
 /* ---- N301 */
 
-static norma_result find_conflict_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
-    norma_result result = NORMA_OK;
-    size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; ++i) {
-        char label[CHECK_MESSAGE];
-        check_mesh m = mesh_of_member(run, &run->solids[i], label);
-        result = norma_check_sides(&m, edges + face, sides + face);
-        face += m.mesh.face_count;
-    }
-    return result;
-}
-
 static norma_result tell_conflicts(
-    check_run *run, const core_topology *topology, const uint8_t *edges, const uint8_t *sides) {
+    const check_group *group, const core_topology *topology, const uint8_t *edges, uint8_t *sides) {
     norma_result result = NORMA_OK;
     size_t face = 0;
-    for (size_t i = 0; i < run->solid_count && !result; ++i) {
-        char label[CHECK_MESSAGE];
-        check_mesh m = mesh_of_member(run, &run->solids[i], label);
-        if (norma_check_wants(&m, RULE_N301))
-            result = norma_check_conflicts_joined(&m, topology, 3 * face, edges, sides);
-        face += m.mesh.face_count;
-    }
+    for (size_t i = 0; i < group->solid_count && !result;
+         face += group->solids[i++]->mesh.face_count)
+        result = norma_check_sides(group->solids[i], edges + face, sides + face);
+    face = 0;
+    for (size_t i = 0; i < group->solid_count && !result;
+         face += group->solids[i++]->mesh.face_count)
+        if (norma_check_wants(group->solids[i], RULE_N301))
+            result =
+                norma_check_conflicts_joined(group->solids[i], topology, 3 * face, edges, sides);
     return result;
 }
 
@@ -377,10 +323,8 @@ static norma_result judge_conflicts(check_run *run, const core_topology *topolog
     norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(edges, 0, faces);
-        if (norma_check_count_conflicts(topology, edges)) {
-            result = find_conflict_sides(run, edges, sides);
-            if (!result) result = tell_conflicts(run, topology, edges, sides);
-        }
+        if (norma_check_count_conflicts(topology, edges))
+            result = tell_conflicts(run->group, topology, edges, sides);
     }
     norma_core_release(&run->call, sides, faces, 1);
     norma_core_release(&run->call, edges, faces, 1);
@@ -416,15 +360,15 @@ static norma_result judge_joined_solids(joined *j) {
 norma_result norma_check_solids_joined(check_run *run) {
     joined j = {.run = run};
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < run->solid_count && !result; ++i) {
-        const core_mesh *mesh = &run->solids[i].mesh;
+    for (size_t i = 0; i < run->group->solid_count && !result; ++i) {
+        const core_mesh *mesh = &run->group->solids[i]->mesh;
         if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices ||
             mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)
             result = NORMA_ERROR_OVERFLOW;
         j.vertices += mesh->positions.count;
         j.corner_count += mesh->corner_count;
     }
-    if (!result && run->solid_count) {
+    if (!result && run->group->solid_count) {
         result = open_solids(&j);
         if (!result) {
             fill_solids(&j);
@@ -433,7 +377,6 @@ norma_result norma_check_solids_joined(check_run *run) {
         if (!result) result = judge_joined_solids(&j);
         close_solids(&j);
     }
-    norma_check_solids_drop(run);
     return result;
 }
 

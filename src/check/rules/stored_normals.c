@@ -93,12 +93,10 @@ static norma_result add_zero(check_mesh *m, check_hits *hits, const check_idle *
         norma_check_message(message,
             "black spots: %z zero-length normal%s; normalising one divides by zero", hits->count,
             norma_check_plural(hits->count));
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){.rule = RULE_N102,
-            .severity = NORMA_SEVERITY_ERROR,
-            .unit = "length",
-            .hits = hits,
-            .message = message});
+    return norma_check_report(m,
+        &(check_finding){
+            .rule = RULE_N102, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = hits},
+        "%s", message);
 }
 
 /* The lengths of facet normals are N205's. */
@@ -191,18 +189,12 @@ static norma_result add_faces_without(check_mesh *m) {
 /* ---- N105 */
 
 static norma_result add_unused(check_mesh *m) {
-    char message[CHECK_MESSAGE];
-    check_hits hits = {.count = norma_check_normal_count(m)};
+    check_hits hits = {.count = norma_check_normal_count(m), .worst_spot = CHECK_NOWHERE};
     if (!m->given->material.unlit || !hits.count) return NORMA_OK;
-    norma_check_message(message, "never read: %z normal%s on an unlit material", hits.count,
-        norma_check_plural(hits.count));
-    hits.worst_spot = CHECK_NOWHERE;
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){.rule = RULE_N105,
-            .severity = NORMA_SEVERITY_INFO,
-            .no_value = 1,
-            .hits = &hits,
-            .message = message});
+    return norma_check_report(m,
+        &(check_finding){
+            .rule = RULE_N105, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits},
+        "never read: %z normal%s on an unlit material", hits.count, norma_check_plural(hits.count));
 }
 
 /* ---- N106 */
@@ -262,13 +254,13 @@ static norma_result add_mismatch(check_mesh *m) {
         norma_check_message(message,
             "refused by readers, or shaded by the wrong normals: %z normal%s more than positions",
             a->normals_surplus, norma_check_plural(a->normals_surplus));
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N106,
             .severity = NORMA_SEVERITY_ERROR,
             .no_value = 1,
             .fix_is_unsafe = none,
-            .hits = &hits,
-            .message = message});
+            .hits = &hits},
+        "%s", message);
 }
 
 norma_result norma_check_missing_normals(check_mesh *m) {

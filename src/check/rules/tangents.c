@@ -101,13 +101,13 @@ static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t wit
             "bumps of the normal map%s become dents in one of two groups: %z tangent%s %s the sign "
             "that the UVs give, and %z the opposite",
             map, with, norma_check_plural(with), with == 1 ? "has" : "have", against);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N804,
             .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !mixed,
-            .hits = &hits,
-            .message = message});
+            .hits = &hits},
+        "%s", message);
 }
 
 /* N804, where there are tangents */
@@ -156,12 +156,10 @@ norma_result norma_check_tangent_deviation(check_mesh *m) {
     if (result || !deviation.corners) return result;
     describe(&deviation, message);
     norma_check_hit_greatest(m, &hits, deviation.max_rad * (180 / 3.141592653589793), worst);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){.rule = RULE_N807,
-            .severity = NORMA_SEVERITY_INFO,
-            .unit = "deg",
-            .hits = &hits,
-            .message = message});
+    return norma_check_report(m,
+        &(check_finding){
+            .rule = RULE_N807, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits},
+        "%s", message);
 }
 
 /* ---- N801 to N803, N805, N806, N813: tangents that are no unit vectors, signs that are
@@ -272,18 +270,16 @@ static norma_result judge_values(check_mesh *m) {
 static norma_result add_no_tangents(check_mesh *m, int has_tangents) {
     check_hits one = {0};
     norma_check_hit(m->run, &one, 0, CHECK_NOWHERE);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_finding){.rule = RULE_N805,
             .severity = NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = has_tangents || !m->given->attributes.texcoords,
-            .hits = &one,
-            .message =
-                has_tangents
-                    ? "a normal map, but tangents that count for nothing without normals (N806); "
-                      "readers compute MikkTSpace's, as the specification asks"
-                    : "a normal map but no tangents; readers compute MikkTSpace's, as the "
-                      "specification asks"});
+            .hits = &one},
+        has_tangents ? "a normal map, but tangents that count for nothing without normals (N806); "
+                       "readers compute MikkTSpace's, as the specification asks"
+                     : "a normal map but no tangents; readers compute MikkTSpace's, as the "
+                       "specification asks");
 }
 
 static norma_result judge_map(check_mesh *m) {
@@ -291,11 +287,9 @@ static norma_result judge_map(check_mesh *m) {
     if (!material->normal_map || m->given->attributes.texcoords || !m->mesh.face_count ||
         !norma_check_wants(m, RULE_N813))
         return NORMA_OK;
-    char message[CHECK_MESSAGE];
-    norma_check_message(message,
+    return norma_check_report_one(m, RULE_N813, NORMA_SEVERITY_ERROR, NAN,
         "the normal map uses TEXCOORD_%z, which is not among the primitive's attributes",
         material->normal_texcoord);
-    return norma_check_add_one(m->run, &m->place, m, RULE_N813, NORMA_SEVERITY_ERROR, message);
 }
 
 norma_result norma_check_tangents(check_mesh *m) {
@@ -311,7 +305,7 @@ norma_result norma_check_tangents(check_mesh *m) {
         m->mesh.face_count && norma_check_wants(m, RULE_N805))
         result = add_no_tangents(m, tangents);
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
-        result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
+        result = norma_check_report_one(m, RULE_N806, NORMA_SEVERITY_WARNING, NAN,
             "tangents but no normals; readers must ignore the tangents");
     return result;
 }

@@ -174,15 +174,10 @@ static norma_document_result find_uses(const map_job *job, map_use *uses, size_t
 /* ---- one image */
 
 static norma_result judge_map_of(const map_job *job, const map_use *use, const map_texels *texels) {
-    char label[CHECK_MESSAGE];
     check_mesh m;
-    const norma_check_mesh *mesh = &job->meshes[use->mesh];
-    const norma_result result = norma_check_open_mesh(job->run, mesh, &m);
-    if (result) return result;
-    norma_check_label(&mesh->info, label);
-    m.place =
-        (check_place){job->orders[use->mesh], mesh->info.where ? mesh->info.where : "", label};
-    return norma_check_map(&m, &use->map, texels);
+    const norma_result result = norma_check_open_mesh(job->run, &job->meshes[use->mesh], &m);
+    m.order = job->orders[use->mesh];
+    return result ? result : norma_check_map(&m, &use->map, texels);
 }
 
 static norma_result tell_not_read(const map_job *job, const map_use *use, const char *why) {
@@ -200,7 +195,7 @@ static norma_result tell_not_read(const map_job *job, const map_use *use, const 
     norma_check_partly(job->run);
     if (!job->run->rules[RULE_N002]) return NORMA_OK;
     norma_check_message(message, "not checked: the normal map, as %s", why);
-    return norma_check_add_one(job->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
+    return norma_check_add_one(job->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
 }
 
 static norma_result judge_image(const map_job *job, const map_use *uses, size_t count) {
@@ -276,7 +271,7 @@ static norma_document_result tell_place_unread(
     if (!d->run.rules[RULE_N002]) return NORMA_DOCUMENT_OK;
     norma_check_message(message, "not checked: %s", why);
     norma_result result =
-        norma_check_add_one(&d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
+        norma_check_add_one(&d->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -319,10 +314,7 @@ static norma_document_result tell_up_to(document_check *d, const norma_mesh_info
         int of_mesh = !result && strncmp(unread.where, "/meshes/", 8) == 0;
         if (of_mesh && !info) break;
         if (of_mesh && strcmp(unread.where, info->where) != 0) break;
-        if (of_mesh)
-            norma_check_message(label,
-                info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z",
-                info->mesh, info->primitive, info->name);
+        if (of_mesh) norma_check_label(info, label);
         if (!result) result = tell_place_unread(d, unread.where, label, unread.why);
     }
     return result;
@@ -532,7 +524,7 @@ static norma_document_result tell_malformed(
     norma_check_partly(&d->run);
     if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
     norma_result result =
-        norma_check_add_one(&d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, why);
+        norma_check_add_one(&d->run, &place, RULE_N001, NORMA_SEVERITY_ERROR, why);
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -726,7 +718,7 @@ norma_findings *norma_check_unreadable(const norma_document_error *error, norma_
     if (!error || norma_check_begin(&run, options, format)) return NULL;
     const check_place whole = {.order = 0, .where = "", .label = ""};
     norma_result result =
-        norma_check_add_one(&run, &whole, NULL, RULE_N001, NORMA_SEVERITY_ERROR, error->message);
+        norma_check_add_one(&run, &whole, RULE_N001, NORMA_SEVERITY_ERROR, error->message);
     if (result) norma_check_abandon(&run);
     return result ? NULL : norma_check_finish(&run);
 }

@@ -33,7 +33,7 @@ typedef struct large_check {
 
 static norma_result open_part(large_check *c, const norma_check_mesh *given, check_mesh *m) {
     const norma_result result = norma_check_open_mesh(&c->run, given, m);
-    m->place = c->whole.place;
+    m->order = c->whole.order;
     return result;
 }
 
@@ -221,7 +221,7 @@ static norma_result tell_unread(large_check *c) {
         "not checked: the file is larger than the memory allowed and was read in parts, and these "
         "rules need all of it: %s; allow more memory",
         names);
-    return norma_check_add_one(&c->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
+    return norma_check_add_one(&c->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
 }
 
 /* ---- the whole */
@@ -252,9 +252,8 @@ static void describe_whole(large_check *c, const norma_mesh_info *info) {
     c->given.data.normals.count = info->normals == NORMA_NORMALS_NONE        ? 0
                                   : info->normals == NORMA_NORMALS_PER_FACET ? info->faces
                                                                              : info->vertices;
-    c->whole = (check_mesh){.run = &c->run, .given = &c->given, .in_parts = 1};
+    c->whole = (check_mesh){.run = &c->run, .given = &c->given, .in_parts = 1, .order = 1};
     memcpy(c->whole.rules, c->run.rules, sizeof c->whole.rules);
-    c->whole.place = (check_place){.order = 1, .where = "", .label = ""};
     c->whole.mesh.face_count = info->faces;
 }
 

@@ -57,16 +57,7 @@ norma_result norma_check_begin(
     return NORMA_OK;
 }
 
-static void free_held(check_run *run) {
-    norma_check_solids_drop(run);
-    free(run->solids);
-    free(run->members);
-    run->solids = NULL;
-    run->members = NULL;
-}
-
 void norma_check_abandon(check_run *run) {
-    free_held(run);
     norma_findings_free(run->findings);
     run->findings = NULL;
 }
@@ -74,7 +65,6 @@ void norma_check_abandon(check_run *run) {
 norma_findings *norma_check_finish(check_run *run) {
     norma_findings *findings = run->findings;
     run->findings = NULL;
-    free_held(run);
     norma_findings_sort(findings);
     return findings;
 }
@@ -102,6 +92,11 @@ void norma_check_close_mesh(check_mesh *m) {
     norma_core_release(call, (void *)m->far, norma_check_normal_count(m), sizeof *m->far);
     norma_core_release(call, m->users, norma_check_normal_count(m), sizeof *m->users);
     if (m->has_topology) norma_core_topology_close(&m->topology);
+    m->faces = NULL;
+    m->opposed = NULL;
+    m->far = NULL;
+    m->users = NULL;
+    m->has_topology = 0;
 }
 
 /* share: of the time of all, on meshes of many kinds; for progress alone. */
@@ -110,7 +105,7 @@ typedef struct check_family {
     double share;
 } check_family;
 
-static norma_result run_mesh(check_run *run, size_t number) {
+static norma_result run_mesh(check_run *run, size_t number, size_t order) {
     static const check_family families[] = {
         {norma_check_unplaced, 0},
         {norma_check_lengths, 1},
@@ -138,41 +133,47 @@ static norma_result run_mesh(check_run *run, size_t number) {
     const double from = run->call.progress_from, to = run->call.progress_to,
                  share = (to - from) / (double)run->group->count / SHARES;
     double done = SHARES * (double)number;
-    char label[CHECK_MESSAGE];
-    check_mesh m;
-    const norma_check_mesh *given = &run->group->meshes[number];
+    check_mesh *m = &run->group->each[number];
     norma_core_stage(&run->call, from + share * done, from + share * done);
-    norma_result result = norma_check_open_mesh(run, given, &m);
+    norma_result result = norma_check_open_mesh(run, &run->group->meshes[number], m);
     if (result) return result;
-    m.number = number;
-    m.siblings = run->group->count > 1;
-    norma_check_label(&given->info, label);
-    m.place =
-        (check_place){.order = run->group->orders ? run->group->orders[number] : run->next_order++,
-            .where = given->info.where ? given->info.where : "",
-            .label = label};
+    m->number = number;
+    m->siblings = run->group->count > 1;
+    m->order = order;
     for (size_t i = 0; i < sizeof families / sizeof *families && !result; ++i) {
         norma_core_stage(
             &run->call, from + share * done, from + share * (done + families[i].share));
         done += families[i].share;
-        result = families[i].run(&m);
+        result = families[i].run(m);
     }
     norma_core_stage(&run->call, from, to);
-    norma_check_close_mesh(&m);
+    norma_check_close_mesh(m);
     return result;
 }
 
 norma_result norma_check_run_group(
     check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders) {
-    check_group group = {.meshes = meshes, .count = count, .orders = orders};
-    norma_result result = NORMA_OK;
+    check_group group = {.meshes = meshes,
+        .count = count,
+        .each = calloc(count + 1, sizeof *group.each),
+        .seams = calloc(count + 1, sizeof *group.seams),
+        .solids = calloc(count + 1, sizeof *group.solids)};
+    norma_result result = group.each && group.seams && group.solids ? NORMA_OK : NORMA_ERROR_MEMORY;
     group.judge = run->judge ? run->judge : &group.own;
     if (group.judge->is_open) norma_core_side_judge_forget(&group.judge->sides);
     run->group = &group;
-    for (size_t i = 0; i < count && !result; ++i) result = run_mesh(run, i);
+    for (size_t i = 0; i < count && !result; ++i)
+        result = run_mesh(run, i, orders ? orders[i] : run->next_order++);
     if (!result) result = norma_check_seams_joined(run);
     if (!result) result = norma_check_solids_joined(run);
     norma_check_close_judge(&group.own);
+    for (size_t i = 0; i < group.solid_count; ++i) {
+        free(group.solids[i]->welded);
+        free(group.solids[i]->loose);
+    }
+    free(group.each);
+    free((void *)group.seams);
+    free((void *)group.solids);
     run->group = NULL;
     return result;
 }
