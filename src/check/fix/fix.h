@@ -69,6 +69,14 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
 void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char *why);
 void norma_fix_plan_free(fix_plan *plan);
 
+/* What is known of a mesh by those that belong to it: blocks of its own. */
+typedef struct fix_shared {
+    uint8_t *turned; /* of each face: it is reversed with a whole body; NULL: none */
+    uint8_t *sides;  /* of each face, as core_side_judge has it; NULL: not asked for */
+    float *smooth;   /* of each vertex at a seam of several primitives its normal, else NaN; NULL:
+                        there are none */
+} fix_shared;
+
 typedef struct fix_mesh {
     norma_document *document;
     fix_plan *plan;
@@ -80,12 +88,9 @@ typedef struct fix_mesh {
     uint32_t threads;
     const norma_finding **findings; /* those that may be mended here */
     size_t finding_count;
-    norma_mesh_edit *edit;        /* its arrays are the mender's */
-    const uint8_t *turned;        /* faces of bodies that are reversed as a whole; NULL: none */
-    const uint8_t *sides;         /* of each face, as core_side_judge has it; NULL: not asked for */
+    norma_mesh_edit *edit;        /* its arrays are the plan's */
+    fix_shared shared;            /* not its own */
     const norma_deviation *known; /* of the stored normals as they are; NULL: not known */
-    const float
-        *smooth; /* of each vertex, at seams of several primitives; NULL: of this one alone */
     /* Made when first needed. */
     uint32_t *corners; /* positions of the corners as they will be run along: reversed where the
                           edit says so */
@@ -117,43 +122,41 @@ int norma_fix_set_normal(fix_mesh *m, size_t number,
     const double
         normal[3]); /* made unit; 0: out of memory. What is no direction is left as it is */
 
-typedef struct fix_group { /* the primitives of one glTF mesh, or the one mesh of another file */
+/* A plan that is made; and the group of meshes that it looks at: the primitives of one glTF mesh,
+ * or the one mesh of another file, side by side. Zero but for the document and error. */
+typedef struct fix_maker {
     norma_document *document;
-    const check_places *mended, *known; /* findings that may be mended; all */
-    const size_t *indices;              /* count of them, in the document */
-    const char *const *wheres;
-    size_t count;
-    const fix_request *request;
-    uint8_t **turned; /* by index: set to a mark for each face, the caller's to free */
-    uint8_t **sides;  /* by index: set to what is known of each face; the caller's to free */
-    float **smooth;   /* by index: set to a normal for each vertex, NaN where it stays; the caller's
-                         to free */
-    fix_plan *plan;
     norma_document_error *error;
-} fix_group;
-/* The meshes from first on that belong together, those that were read; returns the one after.
- * wheres may be NULL. */
-size_t norma_fix_gather_group(const norma_document *document, size_t first, size_t *indices,
-    const char **wheres, size_t *count);
-norma_document_result norma_fix_seams(
-    const fix_group *group, norma_result *how); /* fix_normals.c: N501 between primitives */
+    const fix_request *request;
+    const norma_findings *findings;
+    check_places mended, known; /* findings that may be mended; all */
+    fix_plan *plan;
+    fix_shared *shared; /* of each mesh of the document */
 
-typedef struct fix_whole { /* fix_mesh.c */
-    const fix_group *group;
+    size_t next;     /* mesh, in the document, that the group ends before */
+    size_t *indices; /* of those of the group that were read, in the document */
+    const char **wheres;
     core_mesh *meshes;
-    size_t face_count; /* of all */
-} fix_whole;
-/* To be closed in any case. */
-norma_document_result norma_fix_open_whole(
-    const fix_group *group, fix_whole *whole, norma_result *how);
-void norma_fix_close_whole(fix_whole *whole);
-/* Marks the faces of all that the findings of a rule name, those that may be fixed; 1: there are
- * any. */
-int norma_fix_mark_whole(const fix_whole *whole, check_rule rule, uint8_t *marks);
+    size_t count, face_count;
+    norma_mesh_info first_info;
+    norma_mesh_data first_data;
+    check_judge *judge; /* of all of them: made when first asked for */
+} fix_maker;
+/* The meshes from m->next on that belong together. */
+norma_document_result norma_fix_next_group(fix_maker *m);
+void norma_fix_close_groups(fix_maker *m);
+/* Marks the faces of the group that the findings of a rule name, those that may be fixed; 1: there
+ * are any. */
+int norma_fix_mark_group(const fix_maker *m, check_rule rule, uint8_t *marks);
+
+/* fix_sides.c: which faces of the group are reversed with a whole body (N302, N304). */
+norma_result norma_fix_turn(fix_maker *m);
+/* fix_normals.c: N501 between primitives. */
+norma_result norma_fix_seams(fix_maker *m);
 
 /* fix_sides.c: where normals and winding disagree. Which faces are turned, for a group; then for
  * each mesh, which are reversed (N201, N301, and N302 and N304 by m->turned), and which normals. */
-norma_document_result norma_fix_ask_sides(const fix_group *group, norma_result *how);
+norma_document_result norma_fix_ask_sides(fix_maker *m);
 norma_result norma_fix_windings(fix_mesh *m);
 norma_result norma_fix_turn_normals(fix_mesh *m);
 

@@ -42,24 +42,51 @@ size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_nu
 
 /* ---- The primitives of a glTF mesh, or the one mesh of another file, side by side. */
 
-norma_document_result norma_fix_open_whole(
-    const fix_group *group, fix_whole *whole, norma_result *how) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    *whole = (fix_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
-    *how = whole->meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < group->count && !result && !*how; ++i) {
-        norma_mesh_data data;
-        core_mesh *mesh = &whole->meshes[i];
-        result = norma_document_mesh_data(group->document, group->indices[i], &data, group->error);
-        if (result) break;
-        *how = norma_core_mesh_shape(&data.mesh, mesh);
-        mesh->scale = 1;
-        whole->face_count += mesh->face_count;
+static norma_document_result add_mesh_to_group(fix_maker *m, const norma_mesh_info *info) {
+    norma_mesh_data data;
+    core_mesh *mesh = &m->meshes[m->count];
+    norma_document_result result = norma_document_mesh_data(m->document, m->next, &data, m->error);
+    if (!result) result = norma_fix_fail(m->error, norma_core_mesh_shape(&data.mesh, mesh));
+    if (result) return result;
+    if (!m->count) {
+        m->first_info = *info;
+        m->first_data = data;
     }
+    mesh->scale = 1;
+    m->face_count += mesh->face_count;
+    m->wheres[m->count] = info->where;
+    m->indices[m->count++] = m->next;
     return result;
 }
 
-void norma_fix_close_whole(fix_whole *whole) { free(whole->meshes); }
+norma_document_result norma_fix_next_group(fix_maker *m) {
+    const size_t all = norma_document_mesh_count(m->document), first = m->next;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_mesh_info info;
+    if (!m->meshes) {
+        m->meshes = calloc(all + 1, sizeof *m->meshes);
+        m->indices = calloc(all + 1, sizeof *m->indices);
+        m->wheres = calloc(all + 1, sizeof *m->wheres);
+    }
+    if (!m->meshes || !m->indices || !m->wheres)
+        return norma_fix_fail(m->error, NORMA_ERROR_MEMORY);
+    m->count = m->face_count = 0;
+    for (size_t mesh = 0; m->next < all && !result; ++m->next) {
+        if (norma_document_mesh_info(m->document, m->next, &info) ||
+            (m->next > first && info.mesh != mesh))
+            break;
+        mesh = info.mesh;
+        if (!info.not_read) result = add_mesh_to_group(m, &info);
+    }
+    m->next += m->next == first;
+    return result;
+}
+
+void norma_fix_close_groups(fix_maker *m) {
+    free(m->meshes);
+    free(m->indices);
+    free((void *)m->wheres);
+}
 
 /* ---- One mesh while it is being fixed: the elements that its findings name, its corners
  * and normals as they will be once the edit is made. */
@@ -140,15 +167,14 @@ void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char
     if (copy) notes[plan->note_count++] = (fix_note){memcpy(copy, text, size), why, rules};
 }
 
-int norma_fix_mark_whole(const fix_whole *t, check_rule rule, uint8_t *marks) {
-    const fix_group *g = t->group;
+int norma_fix_mark_group(const fix_maker *m, check_rule rule, uint8_t *marks) {
     size_t begin = 0, count;
     int any = 0;
-    for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count) {
-        const norma_finding **found = norma_places_find(g->mended, g->wheres[i], &count);
+    for (size_t i = 0; i < m->count; begin += m->meshes[i++].face_count) {
+        const norma_finding **found = norma_places_find(&m->mended, m->wheres[i], &count);
         for (size_t k = 0; k < count; ++k)
             for (size_t s = 0; s < found[k]->sample_count && norma_fix_is_rule(found[k], rule); ++s)
-                if (found[k]->samples[s].face < t->meshes[i].face_count)
+                if (found[k]->samples[s].face < m->meshes[i].face_count)
                     marks[begin + found[k]->samples[s].face] = 1, any = 1;
     }
     return any;

@@ -138,8 +138,9 @@ static int why_left(const fix_mesh *m, size_t facet) {
     const double dot = norma_check_dot(m->face_normals + 3 * facet, normal),
                  length = norma_core_length(normal);
     if (!(dot < 0)) return 0;
-    if (m->sides[facet] & CORE_SIDE_UNDECIDED) return dot <= -CHECK_LEAN_COSINE * length ? 2 : 0;
-    return m->sides[facet] & CORE_SIDE_TURNED ? 1 : 0;
+    if (m->shared.sides[facet] & CORE_SIDE_UNDECIDED)
+        return dot <= -CHECK_LEAN_COSINE * length ? 2 : 0;
+    return m->shared.sides[facet] & CORE_SIDE_TURNED ? 1 : 0;
 }
 
 static void note_left(const fix_mesh *m, size_t facets, const char *why) {
@@ -160,7 +161,7 @@ static norma_result rewrite_facets(fix_mesh *m) {
         return made;
     }
     size_t left[3] = {0};
-    for (size_t f = 0; f < m->mesh.face_count && any > 0 && m->sides; ++f) {
+    for (size_t f = 0; f < m->mesh.face_count && any > 0 && m->shared.sides; ++f) {
         const int why = marks[f] ? why_left(m, f) : 0;
         ++left[why];
         if (why) marks[f] = 0;
@@ -237,14 +238,15 @@ static norma_result set_seam_normals(fix_mesh *m, const uint8_t *at_seam, const 
 static norma_result share_across(fix_mesh *m) {
     uint8_t *at_seam = calloc(m->mesh.positions.count + 1, 1);
     for (size_t i = 0; at_seam && i < m->mesh.positions.count; ++i)
-        at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
-    norma_result result = at_seam ? set_seam_normals(m, at_seam, m->smooth) : NORMA_ERROR_MEMORY;
+        at_seam[i] = isfinite(m->shared.smooth[3 * i]) != 0;
+    norma_result result =
+        at_seam ? set_seam_normals(m, at_seam, m->shared.smooth) : NORMA_ERROR_MEMORY;
     free(at_seam);
     return result;
 }
 
 static norma_result share_seams(fix_mesh *m) {
-    if (m->smooth) return share_across(m);
+    if (m->shared.smooth) return share_across(m);
     if (!norma_fix_has(m, RULE_N501)) return NORMA_OK;
     size_t count, positions = m->mesh.positions.count;
     seam_place *places = gather_places(m, &count), key;
@@ -281,17 +283,16 @@ norma_result norma_fix_normals(fix_mesh *m) {
  * a glTF mesh (N501): those of the whole mesh. */
 
 /* Positions that findings at a primitive name: how many; written too unless places is NULL. */
-static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *places) {
+static size_t take_seam_places(const fix_maker *m, size_t mesh, seam_place *places) {
     size_t count, taken = 0;
-    const norma_finding **found =
-        norma_places_find(w->group->mended, w->group->wheres[mesh], &count);
+    const norma_finding **found = norma_places_find(&m->mended, m->wheres[mesh], &count);
     for (size_t k = 0; k < count; ++k) {
         if (!norma_fix_is_rule(found[k], RULE_N501)) continue;
         for (size_t s = 0; s < found[k]->sample_count; ++s) {
             const size_t vertex = found[k]->samples[s].vertex;
-            if (vertex >= w->meshes[mesh].positions.count) continue;
+            if (vertex >= m->meshes[mesh].positions.count) continue;
             if (places)
-                norma_core_position(&w->meshes[mesh], (uint32_t)vertex, places[taken].position);
+                norma_core_position(&m->meshes[mesh], (uint32_t)vertex, places[taken].position);
             ++taken;
         }
     }
@@ -299,47 +300,43 @@ static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *plac
 }
 
 /* Those of all of the mesh's primitives. NULL: out of memory. */
-static seam_place *gather_seam_places(const fix_whole *w, size_t *count) {
+static seam_place *gather_seam_places(const fix_maker *m, size_t *count) {
     size_t sum = 0;
-    for (size_t i = 0; i < w->group->count; ++i) sum += take_seam_places(w, i, NULL);
+    for (size_t i = 0; i < m->count; ++i) sum += take_seam_places(m, i, NULL);
     seam_place *places = calloc(sum + 1, sizeof *places);
     *count = 0;
-    for (size_t i = 0; places && i < w->group->count; ++i)
-        *count += take_seam_places(w, i, places + *count);
+    for (size_t i = 0; places && i < m->count; ++i)
+        *count += take_seam_places(m, i, places + *count);
     if (places) qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
 }
 
 /* As the first primitive's stored normals show. */
-static norma_document_result find_weight(
-    const fix_group *g, norma_weight *weight, norma_result *how) {
+static norma_result find_weight(const fix_maker *m, norma_weight *weight) {
     const norma_options options = {
-        .struct_size = sizeof options, .threads = g->request->options.threads};
-    norma_mesh_info info;
-    norma_mesh_data data;
+        .struct_size = sizeof options, .threads = m->request->options.threads};
     norma_deviation deviation;
-    const norma_deviation *known = norma_places_deviation(g->known, g->wheres[0]);
+    const norma_deviation *known = norma_places_deviation(&m->known, m->wheres[0]);
     if (known) *weight = known->weight;
-    norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
-    if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);
-    if (result || known) return result;
-    *how = norma_explain_normals(&data, info.normals, &options, &deviation);
-    *weight = !*how && deviation.corners ? deviation.weight : NORMA_WEIGHT_ANGLE;
-    return NORMA_DOCUMENT_OK;
+    if (known) return NORMA_OK;
+    const norma_result result =
+        norma_explain_normals(&m->first_data, m->first_info.normals, &options, &deviation);
+    *weight = !result && deviation.corners ? deviation.weight : NORMA_WEIGHT_ANGLE;
+    return result;
 }
 
 /* Of each primitive the normals at those places. */
 static norma_result share_out(
-    const fix_whole *w, const seam_place *places, size_t count, const float *normals) {
+    const fix_maker *m, const seam_place *places, size_t count, const float *normals) {
     size_t begin = 0;
-    for (size_t i = 0; i < w->group->count; begin += w->meshes[i++].positions.count) {
-        const size_t vertices = w->meshes[i].positions.count;
+    for (size_t i = 0; i < m->count; begin += m->meshes[i++].positions.count) {
+        const size_t vertices = m->meshes[i].positions.count;
         float *smooth = malloc((vertices + 1) * 3 * sizeof *smooth);
         if (!smooth) return NORMA_ERROR_MEMORY;
-        w->group->smooth[w->group->indices[i]] = smooth;
+        m->shared[m->indices[i]].smooth = smooth;
         for (size_t v = 0; v < vertices; ++v) {
             seam_place key;
-            norma_core_position(&w->meshes[i], (uint32_t)v, key.position);
+            norma_core_position(&m->meshes[i], (uint32_t)v, key.position);
             const int named =
                 bsearch(&key, places, count, sizeof *places, compare_seam_places) != NULL;
             for (size_t k = 0; k < 3; ++k)
@@ -350,33 +347,29 @@ static norma_result share_out(
 }
 
 static norma_result share_normals(
-    const fix_whole *w, const seam_place *places, size_t count, norma_weight weight) {
-    const norma_options options = {.struct_size = sizeof options,
-        .weight = weight,
-        .threads = w->group->request->options.threads};
+    const fix_maker *m, const seam_place *places, size_t count, norma_weight weight) {
+    const norma_options options = {
+        .struct_size = sizeof options, .weight = weight, .threads = m->request->options.threads};
     check_joined whole;
-    norma_result result = norma_check_join(w->meshes, w->group->count, &whole);
+    norma_result result = norma_check_join(m->meshes, m->count, &whole);
     if (result) return result;
     const size_t vertices = whole.mesh.positions.count;
     float *normals = malloc((vertices + 1) * 3 * sizeof *normals);
     result = normals ? norma_vertex_normals(&whole.mesh, &options, normals, vertices, NULL)
                      : NORMA_ERROR_MEMORY;
-    if (!result) result = share_out(w, places, count, normals);
+    if (!result) result = share_out(m, places, count, normals);
     free(normals);
     norma_check_unjoin(&whole);
     return result;
 }
 
-norma_document_result norma_fix_seams(const fix_group *group, norma_result *how) {
-    fix_whole w;
+norma_result norma_fix_seams(fix_maker *m) {
     size_t count = 0;
     norma_weight weight = NORMA_WEIGHT_ANGLE;
-    norma_document_result result = norma_fix_open_whole(group, &w, how);
-    seam_place *places = !result && !*how ? gather_seam_places(&w, &count) : NULL;
-    if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
-    if (!result && !*how && count) result = find_weight(group, &weight, how);
-    if (!result && !*how && count) *how = share_normals(&w, places, count, weight);
-    norma_fix_close_whole(&w);
+    seam_place *places = gather_seam_places(m, &count);
+    norma_result result = places ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result && count) result = find_weight(m, &weight);
+    if (!result && count) result = share_normals(m, places, count, weight);
     free(places);
     return result;
 }

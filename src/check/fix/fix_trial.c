@@ -4,15 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result fail_trial(
-    norma_document_error *error, norma_document_result result, const char *text) {
-    if (error) {
-        error->result = result;
-        norma_check_message(error->message, "cannot be fixed: %s", text);
-    }
-    return result;
-}
-
 /* ---- shapes that are found again by their positions: what is one less here and one more there is
  * the same in number */
 
@@ -175,13 +166,12 @@ static norma_result count_odd_edges(
     return result;
 }
 
-static norma_result measure_whole(
-    const fix_whole *whole, size_t group, uint32_t threads, fix_measure *measure) {
+static norma_result measure_group(const fix_maker *m, fix_measure *measure) {
     check_joined joined;
     core_mesh shape;
-    norma_result result = norma_check_join(whole->meshes, whole->group->count, &joined);
+    norma_result result = norma_check_join(m->meshes, m->count, &joined);
     if (result) return result;
-    result = count_odd_edges(&joined.mesh, group, threads, measure);
+    result = count_odd_edges(&joined.mesh, m->indices[0], m->request->options.threads, measure);
     if (!result) result = norma_core_mesh_shape(&joined.mesh, &shape);
     shape.scale = 1;
     if (!result) measure->size = fmax(measure->size, norma_check_diagonal(&shape));
@@ -231,12 +221,12 @@ static int add_behind(const core_mesh *mesh, size_t face, size_t index, fix_shap
 
 /* Whatever else is wrong with them: rules are silent where others hold. */
 static norma_document_result measure_normals(
-    const fix_group *group, size_t index, fix_measure *measure, norma_result *how) {
-    fix_mesh m = {.document = group->document};
-    norma_document_result result = norma_document_mesh_info(group->document, index, &m.info);
-    if (!result) result = norma_document_mesh_data(group->document, index, &m.data, group->error);
-    if (result || norma_core_mesh_shape(&m.data.mesh, &m.mesh)) return result;
-    m.mesh.scale = 1;
+    const fix_maker *maker, size_t number, fix_measure *measure) {
+    const size_t index = maker->indices[number];
+    fix_mesh m = {.document = maker->document, .mesh = maker->meshes[number]};
+    norma_document_result result = norma_document_mesh_info(m.document, index, &m.info);
+    if (!result) result = norma_document_mesh_data(m.document, index, &m.data, maker->error);
+    if (result) return result;
     const double across = fmax(1e-6, norma_check_encoding_bound(m.info.encoding));
     for (size_t face = 0; face < m.mesh.face_count; ++face) {
         core_face geometry;
@@ -248,39 +238,25 @@ static norma_document_result measure_normals(
         measure->opposed += geometry.twice_area;
         if (!is_sliver(&m.mesh, face, &geometry) &&
             !add_behind(&m.mesh, face, index, &measure->behind))
-            *how = NORMA_ERROR_MEMORY;
+            result = norma_fix_fail(maker->error, NORMA_ERROR_MEMORY);
     }
     return result;
 }
 
 norma_document_result norma_fix_measure_shape(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
-    const size_t meshes = norma_document_mesh_count(document);
-    size_t *indices = calloc(meshes + 1, sizeof *indices), of;
+    fix_maker m = {.document = document, .request = request, .error = error};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    norma_result how = indices ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t first = 0; first < meshes && !result && !how;) {
-        const fix_group group = {.document = document, .indices = indices, .error = error};
-        fix_whole whole;
-        first = norma_fix_gather_group(document, first, indices, NULL, &of);
-        if (!of) continue;
-        fix_group these = group;
-        these.count = of;
-        result = norma_fix_open_whole(&these, &whole, &how);
-        if (!result && !how && whole.face_count)
-            how = measure_whole(&whole, indices[0], request->options.threads, measure);
-        norma_fix_close_whole(&whole);
-        for (size_t i = 0; i < of && !result && !how; ++i)
-            result = measure_normals(&these, indices[i], measure, &how);
+    while (m.next < norma_document_mesh_count(document) && !result) {
+        result = norma_fix_next_group(&m);
+        if (!result && m.face_count) result = norma_fix_fail(error, measure_group(&m, measure));
+        for (size_t i = 0; i < m.count && !result; ++i) result = measure_normals(&m, i, measure);
     }
-    free(indices);
-    if (!result && !how && !(sort_shapes(&measure->crowded) && sort_shapes(&measure->behind)))
-        how = NORMA_ERROR_MEMORY;
+    norma_fix_close_groups(&m);
+    if (!result && !(sort_shapes(&measure->crowded) && sort_shapes(&measure->behind)))
+        result = norma_fix_fail(error, NORMA_ERROR_MEMORY);
     measure->has_shape = 1;
-    if (result || !how) return result;
-    return fail_trial(error,
-        how == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED,
-        norma_result_text(how));
+    return result;
 }
 
 /* ---- better or worse */

@@ -210,21 +210,16 @@ static norma_result judge_image(const map_job *job, const map_use *uses, size_t 
     return result;
 }
 
-/* failed: of a rule. */
-static norma_document_result judge_maps(const map_job *job, norma_result *failed) {
+static norma_document_result judge_maps(const map_job *job) {
     size_t count = 0;
-    *failed = NORMA_OK;
     map_use *uses = calloc(job->mesh_count + 1, sizeof *uses);
-    if (!uses) {
-        *failed = NORMA_ERROR_MEMORY;
-        return NORMA_DOCUMENT_OK;
-    }
-    const norma_document_result result = find_uses(job, uses, &count);
+    if (!uses) return norma_check_fail(job->error, NORMA_ERROR_MEMORY);
+    norma_document_result result = find_uses(job, uses, &count);
     if (!result && count) qsort(uses, count, sizeof *uses, by_image);
-    for (size_t i = 0, end; i < count && !result && !*failed; i = end) {
+    for (size_t i = 0, end; i < count && !result; i = end) {
         for (end = i + 1; end < count && is_same_image(&uses[i].map, &uses[end].map); ++end)
             ;
-        *failed = judge_image(job, &uses[i], end - i);
+        result = norma_check_fail(job->error, judge_image(job, &uses[i], end - i));
     }
     free(uses);
     return result;
@@ -249,14 +244,16 @@ typedef struct document_check {
 
 enum { MOST_PLACED = 1 << 18 };
 
-norma_document_result norma_check_fail(norma_document_error *error, norma_result result) {
+norma_document_result norma_check_fail_to(
+    norma_document_error *error, norma_result result, const char *verb) {
+    if (!result) return NORMA_DOCUMENT_OK;
     norma_document_result as = result == NORMA_CANCELLED        ? NORMA_DOCUMENT_CANCELLED
                                : result == NORMA_ERROR_MEMORY   ? NORMA_DOCUMENT_ERROR_MEMORY
                                : result == NORMA_ERROR_ARGUMENT ? NORMA_DOCUMENT_ERROR_ARGUMENT
                                                                 : NORMA_DOCUMENT_ERROR_MALFORMED;
     if (error) {
         error->result = as;
-        norma_check_message(error->message, "cannot be checked: %s", norma_result_text(result));
+        norma_check_message(error->message, "cannot be %s: %s", verb, norma_result_text(result));
     }
     return as;
 }
@@ -272,7 +269,7 @@ static norma_document_result tell_place_unread(
     norma_check_message(message, "not checked: %s", why);
     norma_result result =
         norma_check_add_one(&d->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
-    return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(d->error, result);
 }
 
 /* It has no vertices; or no normals, and no face whose positions are points: that finding alone of
@@ -453,7 +450,7 @@ static norma_document_result check_group_of(document_check *d, size_t *index, si
     if (result) return result;
     norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
     const norma_result checked = run_group(d, first, change);
-    return checked ? norma_check_fail(d->error, checked) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(d->error, checked);
 }
 
 static norma_document_result check_meshes(document_check *d) {
@@ -475,9 +472,7 @@ static norma_document_result check_maps(document_check *d) {
         .orders = d->orders,
         .mesh_count = d->mesh_count,
         .error = d->error};
-    norma_result failed;
-    const norma_document_result result = judge_maps(&job, &failed);
-    return result ? result : failed ? norma_check_fail(d->error, failed) : NORMA_DOCUMENT_OK;
+    return judge_maps(&job);
 }
 
 /* ---- nodes and skins */
@@ -525,7 +520,7 @@ static norma_document_result tell_malformed(
     if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
     norma_result result =
         norma_check_add_one(&d->run, &place, RULE_N001, NORMA_SEVERITY_ERROR, why);
-    return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(d->error, result);
 }
 
 static norma_document_result read_skins(document_check *d) {

@@ -74,7 +74,7 @@ static norma_document_result look_at_vertices(void *context, const large_vertice
     if (!result && c->lengths.hits[CHECK_LENGTH_NONE].count > zeros) result = note_zeros(c, part);
     c->run.part = NULL;
     norma_check_close_mesh(&m);
-    return result ? norma_check_fail(c->error, result) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(c->error, result);
 }
 
 /* ---- faces */
@@ -127,7 +127,7 @@ static norma_document_result with_part(
     result = look(c, &m, part);
     c->run.part = NULL;
     norma_check_close_mesh(&m);
-    return result ? norma_check_fail(c->error, result) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(c->error, result);
 }
 
 static norma_document_result look_at_surface(void *context, const large_surface *part) {
@@ -186,7 +186,7 @@ static norma_document_result judge_distance(large_check *c) {
     norma_result result = norma_check_median_edge(coarse, ask_shorter, c, &median);
     if (result) return c->error->result;
     result = norma_check_distance_add(&c->whole, &c->largest, median);
-    return result ? norma_check_fail(c->error, result) : NORMA_DOCUMENT_OK;
+    return norma_check_fail(c->error, result);
 }
 
 /* ---- N002: what was not looked at */

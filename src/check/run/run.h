@@ -31,6 +31,15 @@ typedef struct check_known {
 norma_document_result norma_check_again(norma_document *document, const check_known *known,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error);
 
-/* check_document.c: that the rules failed, in words. */
-norma_document_result norma_check_fail(norma_document_error *error, norma_result result);
+/* check_document.c: that a document cannot be checked, or fixed, in words. NORMA_OK: nothing. */
+norma_document_result norma_check_fail_to(
+    norma_document_error *error, norma_result result, const char *verb);
+static inline norma_document_result norma_check_fail(
+    norma_document_error *error, norma_result result) {
+    return norma_check_fail_to(error, result, "checked");
+}
+static inline norma_document_result norma_fix_fail(
+    norma_document_error *error, norma_result result) {
+    return norma_check_fail_to(error, result, "fixed");
+}
 #endif
