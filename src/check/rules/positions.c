@@ -53,245 +53,185 @@ norma_result norma_check_unplaced(check_mesh *m) {
     return norma_check_unplaced_add(m, &sum, NORMA_SEVERITY_WARNING);
 }
 
-/* ---- N503: positions that are almost, and not quite, equal: found in a grid of cells
- * some steps wide, so that most positions are alone in their cell and far from its sides: those are
- * done. A slot knows the cell it is for, so that of all others a position is read only where
- * another one shares its cell. */
+/* ---- N503: positions that are almost, and not quite, equal. Two of them lie in one cell of a grid
+ * some steps wide; or sides of cells part them, along some axes, and are near both: then they lie
+ * in one cell of the grid that is moved by half a cell along these axes. Few positions are near
+ * sides, and most are alone in their cell. */
 
-enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 32, AT_ONCE = 32 };
+enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 32 };
 static const double ALMOST_EQUAL = 1e-6; /* of the diagonal */
 
-enum {
-    POSITION_UNUSED = 0, /* by a face; or not finite; or it is equal to one that stands for it */
-    POSITION_ALONE,      /* in its cell, and far from its sides */
-    POSITION_TO_JUDGE
-};
-
 typedef struct grid {
-    const check_mesh *m;
+    check_mesh *m;
     double low[3], step, cell;
-    size_t mask;
-    _Atomic uint64_t *slots; /* a tag of the cell above the position added last; all bits: none */
-    uint32_t *next;    /* of each position the one added to its cell before it; UINT32_MAX: none */
-    atomic_uchar *use; /* of each position: POSITION_UNUSED and so on */
+    unsigned moved;   /* bits of the axes along which it is moved */
+    uint32_t *listed; /* positions: of those that are equal one, where faces use it and it is
+                         finite. Those near sides along these axes are listed first */
+    uint32_t *least;  /* of each listed one: the first listed in its cell, as a number in listed */
+    uint32_t *next; /* another one in its cell; UINT32_MAX: none is left. From the least on, all */
+    uint8_t *is_near; /* of each position: it is almost equal to another */
 } grid;
 
-static uint64_t hash_of_cell(const int64_t cell[3]) {
-    uint64_t h = (uint64_t)cell[0] * UINT64_C(0x9e3779b97f4a7c15) +
-                 (uint64_t)cell[1] * UINT64_C(0xc2b2ae3d27d4eb4f) +
-                 (uint64_t)cell[2] * UINT64_C(0x165667b19e3779f9);
-    return norma_check_mix(h);
-}
-
-/* Coordinates in a cell are not negative, so cutting off is rounding down; a cell before the first
- * one is asked for by its number. */
-static void cell_of(const grid *g, const double p[3], int64_t cell[3]) {
-    for (int k = 0; k < 3; ++k) cell[k] = (int64_t)((p[k] - g->low[k]) / g->cell);
-}
-
-#define EMPTY UINT64_MAX
-static uint32_t tag_of(uint64_t entry) { return (uint32_t)(entry >> 32); }
-
-/* The slot of a hash's tag, or the empty one where it belongs. Never full: there are twice as many
- * slots as positions. */
-static size_t find_slot(const grid *g, uint64_t hash, uint64_t *entry) {
-    uint32_t tag = (uint32_t)(hash >> 32) & 0x7fffffff;
-    for (size_t slot = (size_t)hash & g->mask;; slot = (slot + 1) & g->mask) {
-        *entry = atomic_load_explicit(&g->slots[slot], memory_order_relaxed);
-        if (*entry == EMPTY || tag_of(*entry) == tag) return slot;
-    }
-}
-
-static int use_of(const grid *g, size_t position) {
-    return atomic_load_explicit(&g->use[position], memory_order_relaxed);
-}
-
-static void set_use(grid *g, size_t position, int use) {
-    atomic_store_explicit(&g->use[position], (unsigned char)use, memory_order_relaxed);
-}
-
-/* Those that share a cell are to be judged. */
-static void add_position(grid *g, uint32_t position, uint64_t hash) {
-    uint64_t entry, tag = (hash >> 32) & 0x7fffffff;
-    size_t slot;
-    do {
-        slot = find_slot(g, hash, &entry);
-        g->next[position] = entry == EMPTY ? UINT32_MAX : (uint32_t)entry;
-    } while (!atomic_compare_exchange_strong_explicit(
-        &g->slots[slot], &entry, tag << 32 | position, memory_order_relaxed, memory_order_relaxed));
-    if (entry == EMPTY) return;
-    set_use(g, position, POSITION_TO_JUDGE);
-    set_use(g, (uint32_t)entry, POSITION_TO_JUDGE);
-}
-
-/* Which cells along an axis lie within a step: from -1, 0 to 0, 1. */
-static void reach(const grid *g, const double p[3], const int64_t cell[3], int from[3], int to[3]) {
-    for (int k = 0; k < 3; ++k) {
-        double in_cell = p[k] - g->low[k] - (double)cell[k] * g->cell;
-        from[k] = in_cell < 1.01 * g->step ? -1 : 0;
-        to[k] = in_cell > g->cell - 1.01 * g->step ? 1 : 0;
-    }
-}
-
-static int is_at_side(const grid *g, const double p[3], const int64_t cell[3]) {
-    int from[3], to[3], any = 0;
-    reach(g, p, cell, from, to);
-    for (int k = 0; k < 3; ++k) any |= from[k] != to[k];
-    return any;
-}
-
-/* Adds the positions in [begin, end), at most AT_ONCE: first their slots are on the way. */
-static void add_some(grid *g, size_t begin, size_t end) {
-    uint32_t which[AT_ONCE];
-    uint64_t hashes[AT_ONCE];
-    size_t count = 0;
-    for (size_t i = begin; i < end; ++i) {
-        double p[3];
-        int64_t cell[3];
-        if (use_of(g, i) == POSITION_UNUSED) continue;
-        norma_core_position(&g->m->mesh, (uint32_t)i, p);
-        cell_of(g, p, cell);
-        if (is_at_side(g, p, cell)) set_use(g, i, POSITION_TO_JUDGE);
-        which[count] = (uint32_t)i;
-        hashes[count] = hash_of_cell(cell);
-        __builtin_prefetch((const void *)&g->slots[(size_t)hashes[count] & g->mask]);
-        ++count;
-    }
-    for (size_t i = 0; i < count; ++i) add_position(g, which[i], hashes[i]);
-}
-
-static void add_positions(void *context, size_t block, size_t begin, size_t end) {
-    (void)block;
-    for (size_t first = begin; first < end; first += AT_ONCE)
-        add_some(context, first, end - first < AT_ONCE ? end : first + AT_ONCE);
-}
-
-/* Whether a position of the cell lies within the step and is not equal. The order in a cell is that
- * of chance, so the first one found must do. */
-static int is_near_in(const grid *g, const int64_t cell[3], size_t self, const double p[3]) {
-    uint64_t entry;
-    (void)find_slot(g, hash_of_cell(cell), &entry);
-    for (uint32_t i = entry == EMPTY ? UINT32_MAX : (uint32_t)entry; i != UINT32_MAX;
-         i = g->next[i]) {
-        double q[3], d[3];
-        if (i == self) continue;
-        norma_core_position(&g->m->mesh, i, q);
-        norma_core_subtract(p, q, d);
-        double square = norma_core_dot(d, d);
-        if (square < g->step * g->step && square > 0) return 1;
-    }
-    return 0;
-}
-
-static int is_near(const grid *g, size_t self) {
+/* Coordinates in a cell are not negative, so cutting off is rounding down. */
+static void cell_of(const grid *g, uint32_t number, int64_t cell[3]) {
     double p[3];
-    int64_t cell[3];
-    int from[3], to[3];
-    norma_core_position(&g->m->mesh, (uint32_t)self, p);
-    cell_of(g, p, cell);
-    reach(g, p, cell, from, to);
-    for (int x = from[0]; x <= to[0]; ++x)
-        for (int y = from[1]; y <= to[1]; ++y)
-            for (int z = from[2]; z <= to[2]; ++z) {
-                const int64_t there[3] = {cell[0] + x, cell[1] + y, cell[2] + z};
-                if (is_near_in(g, there, self, p)) return 1;
-            }
-    return 0;
+    norma_core_position(&g->m->mesh, g->listed[number], p);
+    for (int k = 0; k < 3; ++k)
+        cell[k] = (int64_t)((p[k] - g->low[k]) / g->cell + (g->moved >> k & 1) * .5);
 }
 
-static void judge_cells(const void *context, check_sum *part, size_t begin, size_t end) {
+static void hash_cells(const void *context, size_t first, size_t count, uint64_t *hashes) {
+    for (size_t i = 0; i < count; ++i) {
+        int64_t cell[3];
+        cell_of(context, (uint32_t)(first + i), cell);
+        hashes[i] = norma_core_weld_mix((uint64_t)cell[0] * UINT64_C(0x9e3779b97f4a7c15) +
+                                        (uint64_t)cell[1] * UINT64_C(0xc2b2ae3d27d4eb4f) +
+                                        (uint64_t)cell[2] * UINT64_C(0x165667b19e3779f9));
+    }
+}
+
+static int is_same_cell(const void *context, uint32_t one, uint32_t other) {
+    int64_t a[3], b[3];
+    cell_of(context, one, a);
+    cell_of(context, other, b);
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static void judge_cells(void *context, size_t block, size_t begin, size_t end) {
     const grid *g = context;
-    for (size_t i = begin; i < end; ++i)
-        if (use_of(g, i) == POSITION_TO_JUDGE && is_near(g, i))
-            norma_check_hit(g->m->run, &part->hits[0], 0, norma_check_vertex(i));
+    (void)block;
+    for (size_t i = begin; i < end; ++i) {
+        double p[3], q[3], d[3];
+        norma_core_position(&g->m->mesh, g->listed[i], p);
+        for (uint32_t k = g->least[i]; k != UINT32_MAX && !g->is_near[g->listed[i]];
+             k = g->next[k]) {
+            if (k == i) continue;
+            norma_core_position(&g->m->mesh, g->listed[k], q);
+            norma_core_subtract(p, q, d);
+            const double square = norma_core_dot(d, d);
+            g->is_near[g->listed[i]] = square < g->step * g->step && square > 0;
+        }
+    }
 }
 
-/* ---- the grid */
+static norma_result judge_grid(grid *g, size_t count) {
+    core_call *call = &g->m->run->call;
+    const weld_keys keys = {count, g, hash_cells, is_same_cell};
+    size_t found;
+    const norma_result result = norma_core_weld_keys(call, &keys, g->least, &found);
+    if (result || !found) return result;
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t least = g->least[i];
+        g->next[i] = UINT32_MAX;
+        if (least == i) continue;
+        g->next[i] = g->next[least];
+        g->next[least] = (uint32_t)i;
+    }
+    return norma_check_blocks(call, count, POSITIONS_IN_BLOCK, judge_cells, g);
+}
 
-/* One of each set of equal positions that faces use, all of whose coordinates are finite; how many.
- */
-static size_t find_used(grid *g, double high[3]) {
+/* Bits of the axes along which it is near a side. */
+static unsigned sides_near(const grid *g, const double p[3]) {
+    unsigned sides = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double cells = (p[k] - g->low[k]) / g->cell,
+                     within = (cells - (double)(int64_t)cells) * CELL_STEPS;
+        sides |= (unsigned)(within < 1.01 || within > CELL_STEPS - 1.01) << k;
+    }
+    return sides;
+}
+
+/* Moves those of count listed ones to the front that are near sides along the axes along which the
+ * grid is moved, or along any; how many. */
+static size_t list_near_sides(const grid *g, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t position = g->listed[i];
+        double p[3];
+        norma_core_position(&g->m->mesh, position, p);
+        const unsigned sides = sides_near(g, p);
+        if (!sides || (sides & g->moved) != g->moved) continue;
+        g->listed[i] = g->listed[kept];
+        g->listed[kept++] = position;
+    }
+    return kept;
+}
+
+/* How many are listed. */
+static size_t list_used(const grid *g) {
     const core_mesh *mesh = &g->m->mesh;
     size_t count = 0;
-    memset((void *)g->use, POSITION_UNUSED, mesh->positions.count);
-    for (size_t c = 0; c < mesh->corner_count; ++c)
-        set_use(g, g->m->topology.corners[c], POSITION_ALONE);
-    for (int k = 0; k < 3; ++k) {
-        g->low[k] = INFINITY;
-        high[k] = -INFINITY;
-    }
+    memset(g->is_near, 0, mesh->positions.count);
+    for (size_t c = 0; c < mesh->corner_count; ++c) g->is_near[g->m->topology.corners[c]] = 1;
     for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
-        if (use_of(g, i) == POSITION_UNUSED) continue;
+        if (!g->is_near[i]) continue;
+        g->is_near[i] = 0;
         norma_core_position(mesh, (uint32_t)i, p);
-        if (!norma_core_finite(p)) {
-            set_use(g, i, POSITION_UNUSED);
-            continue;
-        }
-        ++count;
+        if (norma_core_finite(p)) g->listed[count++] = (uint32_t)i;
+    }
+    return count;
+}
+
+/* 0: all listed ones are equal, or too far apart. */
+static int lay_grid(grid *g, size_t count) {
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, square = 0;
+    for (int k = 0; k < 3; ++k) g->low[k] = INFINITY;
+    for (size_t i = 0; i < count; ++i) {
+        double p[3];
+        norma_core_position(&g->m->mesh, g->listed[i], p);
         for (int k = 0; k < 3; ++k) {
             g->low[k] = p[k] < g->low[k] ? p[k] : g->low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
-    return count;
+    for (int k = 0; k < 3; ++k) square += (high[k] - g->low[k]) * (high[k] - g->low[k]);
+    g->step = ALMOST_EQUAL * sqrt(square);
+    g->cell = CELL_STEPS * g->step;
+    for (int k = 0; k < 3; ++k) g->low[k] -= g->cell / 2; /* a plane is not at cells' sides */
+    return g->step > 0 && g->step < INFINITY;
 }
 
-/* Twice as many slots as positions that are used: of a soup, where each is there six times, few. */
-static norma_result open_slots(grid *g, size_t used) {
-    size_t slots = 16;
-    while (slots < 2 * used) slots *= 2;
-    g->mask = slots - 1;
-    g->slots = norma_core_allocate(&g->m->run->call, slots, sizeof *g->slots);
-    if (!g->slots) return NORMA_ERROR_MEMORY;
-    memset((void *)g->slots, 0xff, slots * sizeof *g->slots);
-    return NORMA_OK;
-}
-
-static norma_result add_coincident(check_mesh *m, check_hits *hits, double step) {
+static norma_result add_coincident(const grid *g) {
+    check_mesh *m = g->m;
+    check_hits hits = {0};
+    for (size_t i = 0; i < m->mesh.positions.count; ++i)
+        if (g->is_near[i]) norma_check_hit(m->run, &hits, 0, norma_check_vertex(i));
     return norma_check_report(m,
         &(check_finding){
-            .rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = hits},
+            .rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits},
         "cracks in the surface: %z position%s closer to another than %g (a millionth of the mesh's "
         "diagonal), but not equal to it",
-        hits->count, norma_check_plural(hits->count), step);
+        hits.count, norma_check_plural(hits.count), g->step);
 }
 
-static norma_result search(check_mesh *m, grid *g) {
-    const size_t count = m->mesh.positions.count;
-    check_sum sum = {.twice_area = 0};
-    norma_result result =
-        norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, add_positions, g);
-    if (!result)
-        result = norma_check_gather(m->run, count, POSITIONS_IN_BLOCK, judge_cells, g, &sum);
-    if (!result) result = add_coincident(m, &sum.hits[0], g->step);
-    norma_check_sum_free(&sum);
-    return result;
+static norma_result judge_grids(grid *g) {
+    const size_t used = list_used(g);
+    norma_result result = NORMA_OK;
+    if (!used || !lay_grid(g, used)) return result;
+    result = judge_grid(g, used);
+    const size_t near_sides = list_near_sides(g, used);
+    for (g->moved = 1; g->moved < 8 && !result; ++g->moved)
+        result = judge_grid(g, list_near_sides(g, near_sides));
+    return result ? result : add_coincident(g);
 }
 
 norma_result norma_check_coincident(check_mesh *m) {
     const size_t count = m->mesh.positions.count;
+    const core_call *call = &m->run->call;
     if (!m->mesh.face_count || !norma_check_wants(m, RULE_N503)) return NORMA_OK;
     norma_result result = norma_check_weld(m);
     if (result) return result;
-    const core_call *call = &m->run->call;
-    grid g = {.m = m};
-    g.next = norma_core_allocate(call, count, sizeof *g.next);
-    g.use = norma_core_allocate(call, count, sizeof *g.use);
-    result = g.next && g.use ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result) {
-        double high[3], square = 0;
-        const size_t used = find_used(&g, high);
-        for (int k = 0; k < 3; ++k) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
-        g.step = ALMOST_EQUAL * sqrt(square);
-        g.cell = CELL_STEPS * g.step;
-        for (int k = 0; k < 3; ++k) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
-        if (g.step > 0 && g.step < INFINITY) result = open_slots(&g, used);
-        if (g.slots && !result) result = search(m, &g);
-    }
-    norma_core_release(call, (void *)g.slots, g.slots ? g.mask + 1 : 0, sizeof *g.slots);
+    grid g = {.m = m,
+        .listed = norma_core_allocate(call, count, sizeof *g.listed),
+        .least = norma_core_allocate(call, count, sizeof *g.least),
+        .next = norma_core_allocate(call, count, sizeof *g.next),
+        .is_near = norma_core_allocate(call, count, 1)};
+    result = g.listed && g.least && g.next && g.is_near ? judge_grids(&g) : NORMA_ERROR_MEMORY;
+    norma_core_release(call, g.listed, count, sizeof *g.listed);
+    norma_core_release(call, g.least, count, sizeof *g.least);
     norma_core_release(call, g.next, count, sizeof *g.next);
-    norma_core_release(call, (void *)g.use, count, sizeof *g.use);
+    norma_core_release(call, g.is_near, count, 1);
     return result;
 }
 
