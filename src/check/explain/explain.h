@@ -26,6 +26,8 @@ typedef struct explain_surface {
     size_t room;
 } explain_surface;
 
+/* Says in a deviation what the trial's weight and crease are. */
+void norma_explain_tell(const explain_trial *trial, norma_deviation *deviation);
 /* Computes the trial's normals and the angle at each corner that has a stored one. */
 norma_result norma_explain_measure(
     core_call *call, explain_surface *surface, const explain_trial *trial);

@@ -382,6 +382,14 @@ static norma_result measure_trial(core_call *call, explain_surface *s, const exp
     return result;
 }
 
+void norma_explain_tell(const explain_trial *trial, norma_deviation *deviation) {
+    deviation->weight = trial->weight;
+    deviation->shading = trial->flat                ? NORMA_SHADING_FLAT
+                         : isnan(trial->crease_rad) ? NORMA_SHADING_SMOOTH
+                                                    : NORMA_SHADING_CREASE;
+    deviation->crease_angle_rad = trial->crease_rad;
+}
+
 norma_result norma_explain_measure(
     core_call *call, explain_surface *s, const explain_trial *trial) {
     norma_options options = {.struct_size = sizeof options,
@@ -668,13 +676,7 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     if (!result) result = norma_explain_measure(call, &surface, &best);
     if (!result) result = norma_explain_summarise(call, &surface, deviation, worst);
     explain_close(call, &surface);
-    if (!result && deviation->corners) {
-        deviation->weight = best.weight;
-        deviation->shading = best.flat                ? NORMA_SHADING_FLAT
-                             : isnan(best.crease_rad) ? NORMA_SHADING_SMOOTH
-                                                      : NORMA_SHADING_CREASE;
-        deviation->crease_angle_rad = best.crease_rad;
-    }
+    if (!result && deviation->corners) norma_explain_tell(&best, deviation);
     return result;
 }
 

@@ -292,13 +292,6 @@ static norma_sample sample_of(const check_mesh *m, check_spot spot) {
     return sample;
 }
 
-static norma_sample *copy_samples(const check_mesh *m, const check_hits *hits) {
-    norma_sample *samples = malloc((hits->sample_count ? hits->sample_count : 1) * sizeof *samples);
-    for (size_t i = 0; samples && i < hits->sample_count; ++i)
-        samples[i] = sample_of(m, hits->samples[i]);
-    return samples;
-}
-
 static const norma_deviation *copy_deviation(const norma_deviation *deviation) {
     norma_deviation *copy = malloc(sizeof *copy);
     if (copy) *copy = *deviation;
@@ -313,47 +306,67 @@ static norma_severity raised_severity(const check_run *run, const check_finding 
     return raised ? NORMA_SEVERITY_ERROR : report->severity;
 }
 
-static norma_result fill_finding(norma_finding *finding, const check_place *place,
-    const check_mesh *mesh, const check_finding *report, norma_severity severity) {
+int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order) {
+    findings_entry *entry = new_entry(findings);
+    norma_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);
+    if (!entry || !samples) {
+        free(samples);
+        return 0;
+    }
+    if (finding->sample_count)
+        memcpy(samples, finding->samples, finding->sample_count * sizeof *samples);
+    norma_finding *copy = &entry->finding;
+    *copy = *finding;
+    copy->where = copy_text(finding->where);
+    copy->label = copy_text(finding->label);
+    copy->message = copy_text(finding->message);
+    copy->samples = samples;
+    copy->deviation = finding->deviation ? copy_deviation(finding->deviation) : NULL;
+    const int complete =
+        copy->where && copy->label && copy->message && !finding->deviation == !copy->deviation;
+    if (!complete) free_finding(copy);
+    entry->order = order;
+    findings->count += (size_t)complete;
+    return complete;
+}
+
+/* mesh may be NULL: samples then have no positions. */
+static int copy_finding(const check_run *run, const check_place *place, const check_mesh *mesh,
+    const check_finding *report) {
     const check_hits *hits = report->hits;
-    *finding = (norma_finding){
-        .rule = &norma_rules(NULL)[report->rule],
-        .severity = severity,
-        .where = copy_text(place->where),
-        .label = copy_text(place->label),
+    const norma_rule *rule = &norma_rules(NULL)[report->rule];
+    norma_sample *samples = malloc((hits->sample_count + 1) * sizeof *samples);
+    for (size_t i = 0; samples && i < hits->sample_count; ++i)
+        samples[i] = sample_of(mesh, hits->samples[i]);
+    const norma_finding finding = {
+        .rule = rule,
+        .severity = raised_severity(run, report),
+        .where = place->where,
+        .label = place->label,
         .count = hits->count,
         .worst_value = report->no_value ? NAN : hits->worst,
         .unit = report->unit ? report->unit : "",
         .worst = sample_of(mesh, hits->worst_spot),
-        .samples = copy_samples(mesh, hits),
+        .samples = samples,
         .sample_count = hits->sample_count,
-        .message = copy_text(report->message),
+        .message = report->message,
+        .fix = report->no_fix          ? NORMA_FIX_NONE
+               : report->fix_is_unsafe ? NORMA_FIX_UNSAFE
+                                       : rule->fix,
+        .deviation = report->deviation,
     };
-    finding->fix = report->no_fix          ? NORMA_FIX_NONE
-                   : report->fix_is_unsafe ? NORMA_FIX_UNSAFE
-                                           : finding->rule->fix;
-    if (report->deviation) finding->deviation = copy_deviation(report->deviation);
-    int complete = finding->where && finding->label && finding->samples && finding->message &&
-                   (!report->deviation || finding->deviation);
-    if (!complete) free_finding(finding);
-    return complete ? NORMA_OK : NORMA_ERROR_MEMORY;
+    const int is_copied = samples && norma_findings_copy(run->findings, &finding, place->order);
+    free(samples);
+    return is_copied;
 }
 
-/* mesh may be NULL: samples then have no positions. */
 static norma_result add_finding(
     check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report) {
-    norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
-    if (!result && report->hits->count) {
-        findings_entry *entry = new_entry(run->findings);
-        result =
-            entry ? fill_finding(&entry->finding, place, mesh, report, raised_severity(run, report))
-                  : NORMA_ERROR_MEMORY;
-        if (!result) {
-            entry->order = place->order;
-            ++run->findings->count;
-            if (report->rule == RULE_N002) norma_check_partly(run);
-        }
-    }
+    const check_hits *hits = report->hits;
+    const int is_added = !hits->failed && hits->count && copy_finding(run, place, mesh, report);
+    const norma_result result =
+        is_added || (!hits->failed && !hits->count) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (is_added && report->rule == RULE_N002) norma_check_partly(run);
     norma_check_hits_free(report->hits);
     return result;
 }
@@ -400,30 +413,6 @@ norma_result norma_check_report_one(check_mesh *m, check_rule rule, norma_severi
     const norma_result result = add_to_mesh(m, &report, format, arguments);
     va_end(arguments);
     return result;
-}
-
-int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order) {
-    findings_entry *entry = new_entry(findings);
-    norma_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);
-    if (!entry || !samples) {
-        free(samples);
-        return 0;
-    }
-    if (finding->sample_count)
-        memcpy(samples, finding->samples, finding->sample_count * sizeof *samples);
-    norma_finding *copy = &entry->finding;
-    *copy = *finding;
-    copy->where = copy_text(finding->where);
-    copy->label = copy_text(finding->label);
-    copy->message = copy_text(finding->message);
-    copy->samples = samples;
-    copy->deviation = finding->deviation ? copy_deviation(finding->deviation) : NULL;
-    const int complete =
-        copy->where && copy->label && copy->message && !finding->deviation == !copy->deviation;
-    if (!complete) free_finding(copy);
-    entry->order = order;
-    findings->count += (size_t)complete;
-    return complete;
 }
 
 norma_result norma_check_add_one(check_run *run, const check_place *place, check_rule rule,

@@ -157,51 +157,20 @@ static void keep_trial(fixing *f, fix_trial *trial) {
 
 /* What one rule finds at one mesh or node: sums of its findings. */
 typedef struct place_count {
-    const norma_rule *rule;
-    const char *where; /* the finding's */
     size_t all, fixable, serious;
 } place_count;
 
-typedef struct place_counts {
-    place_count *items; /* sorted */
+static place_count count_at(const check_places *places, const norma_finding *like) {
+    place_count sum = {0};
     size_t count;
-} place_counts;
-
-static int compare_counts(const void *a, const void *b) {
-    const place_count *p = a, *q = b;
-    return p->rule != q->rule ? (p->rule > q->rule ? 1 : -1) : strcmp(p->where, q->where);
-}
-
-/* To be freed: items. 0: out of memory. */
-static int count_places(const norma_findings *findings, place_counts *counts) {
-    const size_t count = norma_findings_count(findings);
-    *counts = (place_counts){calloc(count + 1, sizeof *counts->items), 0};
-    for (size_t i = 0; counts->items && i < count; ++i) {
-        const norma_finding *f = norma_findings_get(findings, i);
-        counts->items[i] =
-            (place_count){f->rule, f->where, f->count, f->fix != NORMA_FIX_NONE ? f->count : 0,
-                f->severity >= NORMA_SEVERITY_WARNING ? f->count : 0};
+    const norma_finding **found = norma_places_find(places, like->where, &count);
+    for (size_t i = 0; i < count; ++i) {
+        if (found[i]->rule != like->rule) continue;
+        sum.all += found[i]->count;
+        sum.fixable += found[i]->fix != NORMA_FIX_NONE ? found[i]->count : 0;
+        sum.serious += found[i]->severity >= NORMA_SEVERITY_WARNING ? found[i]->count : 0;
     }
-    if (counts->items) qsort(counts->items, count, sizeof *counts->items, compare_counts);
-    for (size_t i = 0; counts->items && i < count; ++i) {
-        const place_count *item = &counts->items[i];
-        if (!counts->count || compare_counts(&counts->items[counts->count - 1], item) != 0) {
-            counts->items[counts->count++] = *item;
-            continue;
-        }
-        place_count *sum = &counts->items[counts->count - 1];
-        sum->all += item->all;
-        sum->fixable += item->fixable;
-        sum->serious += item->serious;
-    }
-    return counts->items != NULL;
-}
-
-static place_count count_at(const place_counts *counts, const norma_rule *rule, const char *where) {
-    const place_count key = {.rule = rule, .where = where},
-                      *found = bsearch(&key, counts->items, counts->count, sizeof *counts->items,
-                          compare_counts);
-    return found ? *found : key;
+    return sum;
 }
 
 static int add_place(fixing *f, check_rule rule, const char *where) {
@@ -219,14 +188,14 @@ static int add_place(fixing *f, check_rule rule, const char *where) {
 }
 
 /* Those at which others report more than before. 0: out of memory, or there is none. */
-static int add_worse_places(fixing *f, check_rule rule, const place_counts *before,
-    const place_counts *after, const harm *harmful) {
+static int add_worse_places(fixing *f, check_rule rule, const check_places *before,
+    const check_places *after, const harm *harmful) {
     const size_t places = f->request.place_count;
     for (size_t i = 0; i < after->count; ++i) {
-        const place_count *item = &after->items[i];
-        if (harmful->by[item->rule - norma_rules(NULL)] && item->where[0] &&
-            item->serious > count_at(before, item->rule, item->where).serious &&
-            !add_place(f, rule, item->where))
+        const norma_finding *finding = after->findings[i];
+        if (harmful->by[finding->rule - norma_rules(NULL)] && finding->where[0] &&
+            count_at(after, finding).serious > count_at(before, finding).serious &&
+            !add_place(f, rule, finding->where))
             return 0;
     }
     return f->request.place_count > places;
@@ -236,12 +205,12 @@ static int add_worse_places(fixing *f, check_rule rule, const place_counts *befo
  * memory, or the harm has no place of its own. */
 static int leave_out_where_worse(
     fixing *f, check_rule rule, const fix_trial *trial, const harm *harmful) {
-    place_counts before = {0}, after = {0};
-    int is_done = count_places(f->before.findings, &before) &&
-                  count_places(trial->after.findings, &after) &&
+    check_places before = {0}, after = {0};
+    int is_done = norma_places_gather(&before, f->before.findings, NULL, NULL) &&
+                  norma_places_gather(&after, trial->after.findings, NULL, NULL) &&
                   add_worse_places(f, rule, &before, &after, harmful);
-    free(before.items);
-    free(after.items);
+    free((void *)before.findings);
+    free((void *)after.findings);
     f->request.place_count = norma_fix_sort_left_out(f->places, f->request.place_count);
     if (!is_done) forget_places(f, rule);
     return is_done;
@@ -493,10 +462,10 @@ static void describe_left(const fixing *f, check_rule rule, char why[CHECK_MESSA
 }
 
 /* What is not offered any more says why. 0: out of memory. */
-static int judge_offer(const fixing *f, const place_counts *before, const place_counts *after,
+static int judge_offer(const fixing *f, const check_places *before, const check_places *after,
     norma_finding *finding, check_rule rule) {
-    const place_count was = count_at(before, finding->rule, finding->where);
-    const size_t fixable = was.fixable, left = count_at(after, finding->rule, finding->where).all,
+    const place_count was = count_at(before, finding);
+    const size_t fixable = was.fixable, left = count_at(after, finding).all,
                  stays = fixable + left > was.all ? fixable + left - was.all : 0;
     char why[CHECK_MESSAGE], text[CHECK_MESSAGE];
     if (!stays) return 1;
@@ -513,15 +482,16 @@ static int judge_offers(const fixing *f, check_rule rule, norma_fix fix, norma_s
     norma_findings *findings) {
     const norma_findings *left =
         f->best.after.findings ? f->best.after.findings : f->before.findings;
-    place_counts before = {0}, after = {0};
-    int is_done = count_places(f->before.findings, &before) && count_places(left, &after);
+    check_places before = {0}, after = {0};
+    int is_done = norma_places_gather(&before, f->before.findings, NULL, NULL) &&
+                  norma_places_gather(&after, left, NULL, NULL);
     for (size_t i = 0; i < norma_findings_count(findings) && is_done; ++i) {
         norma_finding *finding = norma_findings_change(findings, i);
         if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from)
             is_done = judge_offer(f, &before, &after, finding, rule);
     }
-    free(before.items);
-    free(after.items);
+    free((void *)before.findings);
+    free((void *)after.findings);
     return is_done;
 }
 

@@ -222,12 +222,8 @@ static norma_result find_turned_deviation(fix_mesh *m, const norma_options *opti
     norma_result result = norma_core_begin(&call, options);
     if (!result) result = norma_explain_find_frame(&call, &m->data, &m->mesh, NULL, &frame);
     if (result) return result;
-    m->deviation = (norma_deviation){.corners = frame.kind != EXPLAIN_FRAME_NONE,
-        .weight = frame.trial.weight,
-        .shading = frame.trial.flat                ? NORMA_SHADING_FLAT
-                   : isnan(frame.trial.crease_rad) ? NORMA_SHADING_SMOOTH
-                                                   : NORMA_SHADING_CREASE,
-        .crease_angle_rad = frame.trial.crease_rad};
+    m->deviation = (norma_deviation){.corners = frame.kind != EXPLAIN_FRAME_NONE};
+    norma_explain_tell(&frame.trial, &m->deviation);
     return NORMA_OK;
 }
 

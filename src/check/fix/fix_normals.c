@@ -188,21 +188,27 @@ static int compare_seam_places(const void *a, const void *b) {
     return 0;
 }
 
-static seam_place *gather_places(const fix_mesh *m, size_t *count) {
-    size_t room = 0;
-    for (size_t i = 0; i < m->finding_count; ++i) room += m->findings[i]->sample_count;
-    seam_place *places = calloc(room + 1, sizeof *places);
-    *count = 0;
-    const norma_rule *seams = norma_rules(&room) + RULE_N501;
-    for (size_t i = 0; places && i < m->finding_count; ++i)
-        for (size_t k = 0; m->findings[i]->rule == seams && k < m->findings[i]->sample_count; ++k) {
-            size_t vertex = m->findings[i]->samples[k].vertex;
-            if (vertex < m->mesh.positions.count) {
-                norma_core_position(&m->mesh, (uint32_t)vertex, places[*count].position);
-                ++*count;
-            }
+/* Positions that findings at a mesh name: how many; written too unless places is NULL. */
+static size_t take_seam_places(
+    const norma_finding **found, size_t count, const core_mesh *mesh, seam_place *places) {
+    size_t taken = 0;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; norma_fix_is_rule(found[i], RULE_N501) && k < found[i]->sample_count;
+             ++k) {
+            const size_t vertex = found[i]->samples[k].vertex;
+            if (vertex >= mesh->positions.count) continue;
+            if (places) norma_core_position(mesh, (uint32_t)vertex, places[taken].position);
+            ++taken;
         }
-    if (places) qsort(places, *count, sizeof *places, compare_seam_places);
+    return taken;
+}
+
+static seam_place *gather_places(const fix_mesh *m, size_t *count) {
+    *count = take_seam_places(m->findings, m->finding_count, &m->mesh, NULL);
+    seam_place *places = calloc(*count + 1, sizeof *places);
+    if (!places) return NULL;
+    (void)take_seam_places(m->findings, m->finding_count, &m->mesh, places);
+    qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
 }
 
@@ -282,33 +288,14 @@ norma_result norma_fix_normals(fix_mesh *m) {
 /* ---- The normals that both sides of a seam get where it runs between two primitives of
  * a glTF mesh (N501): those of the whole mesh. */
 
-/* Positions that findings at a primitive name: how many; written too unless places is NULL. */
-static size_t take_seam_places(const fix_maker *m, size_t mesh, seam_place *places) {
+/* Those of all of the mesh's primitives: how many; written too unless places is NULL. */
+static size_t take_group_places(const fix_maker *m, seam_place *places) {
     size_t count, taken = 0;
-    const norma_finding **found = norma_places_find(&m->mended, m->wheres[mesh], &count);
-    for (size_t k = 0; k < count; ++k) {
-        if (!norma_fix_is_rule(found[k], RULE_N501)) continue;
-        for (size_t s = 0; s < found[k]->sample_count; ++s) {
-            const size_t vertex = found[k]->samples[s].vertex;
-            if (vertex >= m->meshes[mesh].positions.count) continue;
-            if (places)
-                norma_core_position(&m->meshes[mesh], (uint32_t)vertex, places[taken].position);
-            ++taken;
-        }
+    for (size_t i = 0; i < m->count; ++i) {
+        const norma_finding **found = norma_places_find(&m->mended, m->wheres[i], &count);
+        taken += take_seam_places(found, count, &m->meshes[i], places ? places + taken : NULL);
     }
     return taken;
-}
-
-/* Those of all of the mesh's primitives. NULL: out of memory. */
-static seam_place *gather_seam_places(const fix_maker *m, size_t *count) {
-    size_t sum = 0;
-    for (size_t i = 0; i < m->count; ++i) sum += take_seam_places(m, i, NULL);
-    seam_place *places = calloc(sum + 1, sizeof *places);
-    *count = 0;
-    for (size_t i = 0; places && i < m->count; ++i)
-        *count += take_seam_places(m, i, places + *count);
-    if (places) qsort(places, *count, sizeof *places, compare_seam_places);
-    return places;
 }
 
 /* As the first primitive's stored normals show. */
@@ -364,12 +351,14 @@ static norma_result share_normals(
 }
 
 norma_result norma_fix_seams(fix_maker *m) {
-    size_t count = 0;
+    const size_t count = take_group_places(m, NULL);
     norma_weight weight = NORMA_WEIGHT_ANGLE;
-    seam_place *places = gather_seam_places(m, &count);
-    norma_result result = places ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result && count) result = find_weight(m, &weight);
-    if (!result && count) result = share_normals(m, places, count, weight);
+    seam_place *places = count ? calloc(count, sizeof *places) : NULL;
+    if (!places) return count ? NORMA_ERROR_MEMORY : NORMA_OK;
+    (void)take_group_places(m, places);
+    qsort(places, count, sizeof *places, compare_seam_places);
+    norma_result result = find_weight(m, &weight);
+    if (!result) result = share_normals(m, places, count, weight);
     free(places);
     return result;
 }

@@ -189,24 +189,6 @@ static conflict_kind check_conflict_kind(
     return (a | b) & CORE_SIDE_UNDECIDED ? CONFLICT_UNDECIDED : CONFLICT_RIGHT;
 }
 
-static void describe_conflicts(
-    conflict_kind kind, size_t edges, size_t turned, char message[CHECK_MESSAGE]) {
-    if (kind == CONFLICT_TURNED)
-        norma_check_message(message,
-            "neighbouring faces are wound against each other at %z edge%s: %z face%s to turn",
-            edges, norma_check_plural(edges), turned, norma_check_plural(turned));
-    else if (kind == CONFLICT_UNDECIDED)
-        norma_check_message(message,
-            "neighbouring faces are wound against each other at %z edge%s; neither volume nor rays "
-            "show which faces to turn",
-            edges, norma_check_plural(edges));
-    else
-        norma_check_message(message,
-            "neighbouring faces are wound against each other at %z edge%s, where parts touch, or "
-            "faces lie folded over one another: no face there has to be turned",
-            edges, norma_check_plural(edges));
-}
-
 typedef struct conflict_sum {
     check_hits hits;
     double
@@ -229,15 +211,20 @@ static norma_result add_conflicts_of(
     check_mesh *m, conflict_kind kind, size_t turned, int informs, check_hits *hits) {
     static const norma_severity severities[CONFLICT_KINDS] = {
         NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
-    char message[CHECK_MESSAGE];
-    describe_conflicts(kind, hits->count, turned, message);
+    static const char *const messages[CONFLICT_KINDS] = {
+        "neighbouring faces are wound against each other at %z edge%s: %z face%s to turn",
+        "neighbouring faces are wound against each other at %z edge%s; neither volume nor rays "
+        "show which faces to turn",
+        "neighbouring faces are wound against each other at %z edge%s, where parts touch, or "
+        "faces lie folded over one another: no face there has to be turned"};
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N301,
             .severity = informs ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
             .no_fix = kind != CONFLICT_TURNED,
             .hits = hits},
-        "%s", message);
+        messages[kind], hits->count, norma_check_plural(hits->count), turned,
+        norma_check_plural(turned));
 }
 
 /* Reports the hits of each kind and frees them; edges and sides: of the mesh's own faces. */

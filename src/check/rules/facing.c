@@ -176,21 +176,12 @@ norma_result norma_check_placeholder(check_mesh *m) {
 
 /* ---- N204: how far the stored normals are from the computed ones that explain them best. */
 
-static void describe_deviation(
-    const norma_deviation *d, size_t count, char message[CHECK_MESSAGE]) {
-    char how[CHECK_MESSAGE];
-    double degrees = 180 / NORMA_PI;
-    if (d->shading == NORMA_SHADING_FLAT)
-        norma_check_message(how, "flat shading");
-    else if (d->shading == NORMA_SHADING_SMOOTH)
-        norma_check_message(how, "%s weights, smooth", norma_weight_name(d->weight));
-    else
-        norma_check_message(how, "%s weights, crease %g", norma_weight_name(d->weight),
-            d->crease_angle_rad * degrees);
-    norma_check_message(message,
-        "best explained by %s: %z stored normals, median %g, 99 %% within %g, at most %g degrees "
-        "off",
-        how, count, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
+static void describe_way(const norma_deviation *d, char text[CHECK_MESSAGE]) {
+    norma_check_message(text,
+        d->shading == NORMA_SHADING_FLAT     ? "flat shading"
+        : d->shading == NORMA_SHADING_SMOOTH ? "%s weights, smooth"
+                                             : "%s weights, crease %g",
+        norma_weight_name(d->weight), d->crease_angle_rad * (180 / NORMA_PI));
 }
 
 /* Normals that corners use: each vertex, each vn. */
@@ -217,21 +208,25 @@ static norma_result check_deviation_of(check_mesh *m, const norma_deviation **de
 
 norma_result norma_check_deviation(check_mesh *m) {
     const norma_deviation *deviation;
-    char message[CHECK_MESSAGE];
+    const double degrees = 180 / NORMA_PI;
+    char how[CHECK_MESSAGE];
     if (!norma_check_wants(m, RULE_N204)) return NORMA_OK;
     const norma_result result = check_deviation_of(m, &deviation);
     if (result || !deviation->corners) return result;
     check_hits hits = {0};
-    norma_check_hit_greatest(m, &hits, deviation->max_rad * (180 / NORMA_PI), m->deviation_corner);
+    norma_check_hit_greatest(m, &hits, deviation->max_rad * degrees, m->deviation_corner);
     hits.count = count_normals(m);
-    describe_deviation(deviation, hits.count, message);
+    describe_way(deviation, how);
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N204,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,
             .deviation = deviation},
-        "%s", message);
+        "best explained by %s: %z stored normals, median %g, 99 %% within %g, at most %g degrees "
+        "off",
+        how, hits.count, deviation->p50_rad * degrees, deviation->p99_rad * degrees,
+        deviation->max_rad * degrees);
 }
 
 /* ---- N206: normals of another frame. Nothing that could have been computed from the surface
@@ -290,16 +285,6 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
 
 /* ---- in words */
 
-static void describe_trial(const explain_trial *trial, char text[CHECK_MESSAGE]) {
-    if (trial->flat)
-        norma_check_message(text, "flat shading");
-    else if (isnan(trial->crease_rad))
-        norma_check_message(text, "%s weights, smooth", norma_weight_name(trial->weight));
-    else
-        norma_check_message(text, "%s weights, crease %g", norma_weight_name(trial->weight),
-            trial->crease_rad * (180 / NORMA_PI));
-}
-
 static void describe_frame(const explain_frame *f, char text[CHECK_MESSAGE]) {
     const double *axis = f->axis, degrees = f->angle_rad * (180 / NORMA_PI);
     switch (f->kind) {
@@ -328,18 +313,20 @@ static void describe_frame(const explain_frame *f, char text[CHECK_MESSAGE]) {
 }
 
 static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
-    char how[CHECK_MESSAGE], trial[CHECK_MESSAGE];
+    char how[CHECK_MESSAGE], way[CHECK_MESSAGE];
+    norma_deviation trial;
     const norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR;
     const double degrees = 180 / NORMA_PI, median = m->deviation.p50_rad * degrees;
     describe_frame(frame, how);
-    describe_trial(&frame->trial, trial);
+    norma_explain_tell(&frame->trial, &trial);
+    describe_way(&trial, way);
     return norma_check_report_one(m, RULE_N206, severity, median,
         frame->kind
             ? "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
               "more; %s, to within %g degrees at half of them (%s)"
             : "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
               "more; %s",
-        median, how, frame->median_rad * degrees, trial);
+        median, how, frame->median_rad * degrees, way);
 }
 
 norma_result norma_check_frame(check_mesh *m) {
@@ -542,10 +529,8 @@ static norma_result check_far(check_mesh *m) {
     const size_t count = norma_check_normal_count(m);
     const double edge = LARGE_SHARE * norma_check_diagonal(&m->mesh);
     far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
-        norma_core_allocate(call, count, 1), edge * edge, 0};
-    size_t opposed = 0;
-    for (size_t f = 0; f < m->mesh.face_count; ++f) opposed += m->opposed[f] != 0;
-    state.turned = opposed > m->mesh.face_count / 2;
+        norma_core_allocate(call, count, 1), edge * edge,
+        m->opposed_count > m->mesh.face_count / 2};
     norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(state.open, 0, count);

@@ -179,7 +179,7 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     node_sums sums = {0};
     j.place = (check_place){
         .order = run->next_order++, .where = node->where ? node->where : "", .label = label};
-    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) j.rules[i] = run->rules[i];
+    memcpy(j.rules, run->rules, sizeof j.rules);
     norma_check_silence(j.rules, node->ignore);
     if (node->skin != SIZE_MAX ||
         !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
@@ -216,7 +216,7 @@ static norma_result judge_skin(
     check_run *run, const norma_check_scene *scene, const norma_skin_info *skin, size_t number) {
     char label[CHECK_MESSAGE], message[CHECK_MESSAGE], measured[CHECK_MESSAGE] = "";
     node_judgement j = {.run = run};
-    for (size_t i = 0; i < CHECK_RULE_COUNT; ++i) j.rules[i] = run->rules[i];
+    memcpy(j.rules, run->rules, sizeof j.rules);
     norma_check_silence(j.rules, skin->ignore);
     j.place = (check_place){
         .order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};

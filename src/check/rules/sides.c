@@ -263,35 +263,7 @@ norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_
     check_hits *hits = &sum->hits[0];
     const size_t zeros = sum->counts[CHECK_FACETS_ZERO], turned = sum->counts[CHECK_FACETS_TURNED],
                  undecided = sum->counts[CHECK_FACETS_UNDECIDED];
-    char message[CHECK_MESSAGE];
     const int matters = sum->twice_area > 0 && sum->twice_area >= LEAST_SHARE * whole_area;
-    if (!hits->count) return NORMA_OK;
-    if (zeros == hits->count)
-        norma_check_message(message,
-            "shaded by the winding alone: %z of %z facets have a zero normal", zeros,
-            m->mesh.face_count);
-    else if (zeros)
-        norma_check_message(message,
-            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
-            "by up to %g degrees; %z of them are zero",
-            hits->count, m->mesh.face_count, hits->worst, zeros);
-    else if (turned == hits->count)
-        norma_check_message(message,
-            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
-            "by up to %g degrees; there the winding is wrong and the normals are right (N301, "
-            "N302)",
-            hits->count, m->mesh.face_count, hits->worst);
-    else if (turned + undecided == hits->count)
-        norma_check_message(message,
-            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
-            "by up to %g degrees; neither volume nor rays nor neighbours show for %z of them which "
-            "is wrong",
-            hits->count, m->mesh.face_count, hits->worst, undecided);
-    else
-        norma_check_message(message,
-            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
-            "by up to %g degrees; some use the normal, others the winding",
-            hits->count, m->mesh.face_count, hits->worst);
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N205,
             .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
@@ -299,7 +271,20 @@ norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_
             .no_value = zeros == hits->count,
             .no_fix = turned + undecided == hits->count,
             .hits = hits},
-        "%s", message);
+        zeros == hits->count ? "shaded by the winding alone: %z of %z facets have a zero normal"
+        : zeros ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+                  "winding, by up to %g degrees; %z of them are zero"
+        : turned == hits->count
+            ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; there the winding is wrong and the normals are right "
+              "(N301, N302)"
+        : turned + undecided == hits->count
+            ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; neither volume nor rays nor neighbours show for %z of "
+              "them which is wrong"
+            : "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; some use the normal, others the winding",
+        hits->count, m->mesh.face_count, hits->worst, zeros ? zeros : undecided);
 }
 
 norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind) {

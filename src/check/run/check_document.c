@@ -119,17 +119,37 @@ static void check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change chan
             rules[rule] = 0;
 }
 
+/* ---- a document */
+
+typedef struct document_check {
+    check_run run;
+    norma_document *document;
+    const check_known *known;
+    check_places places; /* of what is known */
+    norma_document_error *error;
+    norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
+    norma_morph_data **morphs; /* of each */
+    size_t *orders;            /* of their places */
+    norma_node_info *nodes;
+    norma_skin_info *skins;
+    size_t mesh_count, skin_count, next_unread;
+    size_t multiplied; /* nodes whose instances are those in a tile, all together */
+} document_check;
+
+/* N001, N002: something cannot be read, or was not checked. */
+static norma_document_result tell_unread(document_check *d, check_rule rule,
+    const check_place *place, const char *format, const char *why) {
+    char message[CHECK_MESSAGE];
+    norma_check_partly(&d->run);
+    if (!d->run.rules[rule]) return NORMA_DOCUMENT_OK;
+    norma_check_message(message, format, why);
+    return norma_check_fail(
+        d->error, norma_check_add_one(&d->run, place, rule,
+                      rule == RULE_N001 ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_WARNING, message));
+}
+
 /* ---- normal maps: each image is read once, for all meshes that show it; one that cannot be is
  * told of (N002) */
-
-typedef struct map_job {
-    check_run *run;
-    norma_document *document;
-    const norma_check_mesh *meshes; /* of the document, those that were read */
-    const size_t *orders;           /* of their places */
-    size_t mesh_count;
-    norma_document_error *error; /* of what is returned */
-} map_job;
 
 typedef struct map_use {
     norma_texture_info map;
@@ -157,15 +177,15 @@ static int is_map_wanted(const check_run *run, const norma_check_mesh *mesh) {
            mesh->data.mesh.corner_count && (rules[RULE_N811] || rules[RULE_N812]);
 }
 
-static norma_document_result find_uses(const map_job *job, map_use *uses, size_t *count) {
+static norma_document_result find_uses(document_check *d, map_use *uses, size_t *count) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < job->mesh_count && !result; ++i) {
-        const norma_check_mesh *mesh = &job->meshes[i];
-        if (!is_map_wanted(job->run, mesh)) continue;
+    for (size_t i = 0; i < d->mesh_count && !result; ++i) {
+        const norma_check_mesh *mesh = &d->meshes[i];
+        if (!is_map_wanted(&d->run, mesh)) continue;
         map_use *use = &uses[*count];
         use->mesh = i;
-        result = norma_document_normal_map(
-            job->document, mesh->attributes.material, &use->map, job->error);
+        result =
+            norma_document_normal_map(d->document, mesh->attributes.material, &use->map, d->error);
         *count += !result && use->map.there;
     }
     return result;
@@ -173,16 +193,16 @@ static norma_document_result find_uses(const map_job *job, map_use *uses, size_t
 
 /* ---- one image */
 
-static norma_result judge_map_of(const map_job *job, const map_use *use, const map_texels *texels) {
+static norma_result judge_map_of(document_check *d, const map_use *use, const map_texels *texels) {
     check_mesh m;
-    const norma_result result = norma_check_open_mesh(job->run, &job->meshes[use->mesh], &m);
-    m.order = job->orders[use->mesh];
+    const norma_result result = norma_check_open_mesh(&d->run, &d->meshes[use->mesh], &m);
+    m.order = d->orders[use->mesh];
     return result ? result : norma_check_map(&m, &use->map, texels);
 }
 
-static norma_result tell_not_read(const map_job *job, const map_use *use, const char *why) {
-    char message[CHECK_MESSAGE], where[CHECK_MESSAGE], label[CHECK_MESSAGE];
-    const norma_check_mesh *mesh = &job->meshes[use->mesh];
+static norma_document_result tell_not_read(document_check *d, const map_use *use, const char *why) {
+    char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
+    const norma_check_mesh *mesh = &d->meshes[use->mesh];
     if (use->map.image == SIZE_MAX) { /* it names none */
         norma_check_message(where, "%s", mesh->info.where);
         norma_check_label(&mesh->info, label);
@@ -191,56 +211,38 @@ static norma_result tell_not_read(const map_job *job, const map_use *use, const 
         norma_check_message(label, use->map.name ? "image %z \"%s\"" : "image %z", use->map.image,
             use->map.name ? use->map.name : "");
     }
-    const check_place place = {job->orders[use->mesh], where, label};
-    norma_check_partly(job->run);
-    if (!job->run->rules[RULE_N002]) return NORMA_OK;
-    norma_check_message(message, "not checked: the normal map, as %s", why);
-    return norma_check_add_one(job->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
+    return tell_unread(d, RULE_N002, &(check_place){d->orders[use->mesh], where, label},
+        "not checked: the normal map, as %s", why);
 }
 
-static norma_result judge_image(const map_job *job, const map_use *uses, size_t count) {
+static norma_document_result judge_image(document_check *d, const map_use *uses, size_t count) {
     map_texels texels;
-    if (uses->map.not_read) return tell_not_read(job, uses, uses->map.not_read);
+    if (uses->map.not_read) return tell_not_read(d, uses, uses->map.not_read);
     const image_result read = norma_map_read(&uses->map, count, &texels);
     norma_result result = NORMA_OK;
-    if (read == IMAGE_MEMORY) return NORMA_ERROR_MEMORY;
-    if (read) return tell_not_read(job, uses, norma_image_text(read));
-    for (size_t i = 0; i < count && !result; ++i) result = judge_map_of(job, &uses[i], &texels);
+    if (read == IMAGE_MEMORY) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
+    if (read) return tell_not_read(d, uses, norma_image_text(read));
+    for (size_t i = 0; i < count && !result; ++i) result = judge_map_of(d, &uses[i], &texels);
     norma_map_free(&texels);
-    return result;
+    return norma_check_fail(d->error, result);
 }
 
-static norma_document_result judge_maps(const map_job *job) {
+static norma_document_result check_maps(document_check *d) {
     size_t count = 0;
-    map_use *uses = calloc(job->mesh_count + 1, sizeof *uses);
-    if (!uses) return norma_check_fail(job->error, NORMA_ERROR_MEMORY);
-    norma_document_result result = find_uses(job, uses, &count);
+    map_use *uses = calloc(d->mesh_count + 1, sizeof *uses);
+    if (!uses) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
+    norma_document_result result = find_uses(d, uses, &count);
     if (!result && count) qsort(uses, count, sizeof *uses, by_image);
     for (size_t i = 0, end; i < count && !result; i = end) {
         for (end = i + 1; end < count && is_same_image(&uses[i].map, &uses[end].map); ++end)
             ;
-        result = norma_check_fail(job->error, judge_image(job, &uses[i], end - i));
+        result = judge_image(d, &uses[i], end - i);
     }
     free(uses);
     return result;
 }
 
-/* ---- a document */
-
-typedef struct document_check {
-    check_run run;
-    norma_document *document;
-    const check_known *known;
-    check_places places; /* of what is known */
-    norma_document_error *error;
-    norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
-    norma_morph_data **morphs; /* of each */
-    size_t *orders;            /* of their places */
-    norma_node_info *nodes;
-    norma_skin_info *skins;
-    size_t mesh_count, skin_count, next_unread;
-    size_t multiplied; /* nodes whose instances are those in a tile, all together */
-} document_check;
+/* ---- the rest of a document */
 
 enum { MOST_PLACED = 1 << 18 };
 
@@ -262,14 +264,8 @@ norma_document_result norma_check_fail_to(
 
 static norma_document_result tell_place_unread(
     document_check *d, const char *where, const char *label, const char *why) {
-    char message[CHECK_MESSAGE];
-    const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
-    norma_check_partly(&d->run);
-    if (!d->run.rules[RULE_N002]) return NORMA_DOCUMENT_OK;
-    norma_check_message(message, "not checked: %s", why);
-    norma_result result =
-        norma_check_add_one(&d->run, &place, RULE_N002, NORMA_SEVERITY_WARNING, message);
-    return norma_check_fail(d->error, result);
+    return tell_unread(
+        d, RULE_N002, &(check_place){d->run.next_order++, where, label}, "not checked: %s", why);
 }
 
 /* It has no vertices; or no normals, and no face whose positions are points: that finding alone of
@@ -465,16 +461,6 @@ static norma_document_result check_meshes(document_check *d) {
     return result;
 }
 
-static norma_document_result check_maps(document_check *d) {
-    const map_job job = {.run = &d->run,
-        .document = d->document,
-        .meshes = d->meshes,
-        .orders = d->orders,
-        .mesh_count = d->mesh_count,
-        .error = d->error};
-    return judge_maps(&job);
-}
-
 /* ---- nodes and skins */
 
 static void multiply_upper(const double a[16], double b[16]) { /* of 4 x 4, into b */
@@ -515,12 +501,7 @@ static norma_document_result tell_malformed(
     norma_check_message(where, "/skins/%z", skin);
     norma_check_message(label, "skin %z", skin);
     if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED) return tell_place_unread(d, where, label, why);
-    const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
-    norma_check_partly(&d->run);
-    if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
-    norma_result result =
-        norma_check_add_one(&d->run, &place, RULE_N001, NORMA_SEVERITY_ERROR, why);
-    return norma_check_fail(d->error, result);
+    return tell_unread(d, RULE_N001, &(check_place){d->run.next_order++, where, label}, "%s", why);
 }
 
 static norma_document_result read_skins(document_check *d) {

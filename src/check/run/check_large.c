@@ -31,10 +31,21 @@ typedef struct large_check {
 
 /* ---- parts as meshes */
 
-static norma_result open_part(large_check *c, const norma_check_mesh *given, check_mesh *m) {
-    const norma_result result = norma_check_open_mesh(&c->run, given, m);
-    m->order = c->whole.order;
-    return result;
+typedef norma_result look_at_mesh(large_check *c, check_mesh *m, const void *part);
+
+static norma_document_result with_part(large_check *c, const norma_mesh_data *data,
+    const check_part *place, look_at_mesh *look, const void *part) {
+    norma_check_mesh given = c->given;
+    check_mesh m;
+    given.data = *data;
+    norma_result result = norma_check_open_mesh(&c->run, &given, &m);
+    if (result) return norma_check_fail(c->error, result);
+    m.order = c->whole.order;
+    c->run.part = place;
+    result = look(c, &m, part);
+    c->run.part = NULL;
+    norma_check_close_mesh(&m);
+    return norma_check_fail(c->error, result);
 }
 
 /* ---- vertices: N101 to N103, the largest coordinate */
@@ -59,22 +70,23 @@ static norma_result note_zeros(large_check *c, const large_vertices *part) {
     return NORMA_OK;
 }
 
+static norma_result look_at_points(large_check *c, check_mesh *m, const void *context) {
+    const large_vertices *part = context;
+    const size_t zeros = c->lengths.hits[CHECK_LENGTH_NONE].count;
+    norma_check_find_largest(&m->mesh, part->first, &c->largest);
+    const norma_result result =
+        part->normals.count ? norma_check_lengths_look(m, &c->lengths) : NORMA_OK;
+    return !result && c->lengths.hits[CHECK_LENGTH_NONE].count > zeros ? note_zeros(c, part)
+                                                                       : result;
+}
+
 static norma_document_result look_at_vertices(void *context, const large_vertices *part) {
     large_check *c = context;
-    norma_check_mesh given = c->given;
-    check_mesh m;
-    const check_part place = {.first_vertex = part->first};
-    given.data = (norma_mesh_data){.mesh.positions = part->positions, .normals = part->normals};
-    norma_result result = open_part(c, &given, &m);
-    if (result) return norma_check_fail(c->error, result);
-    c->run.part = &place;
-    norma_check_find_largest(&m.mesh, part->first, &c->largest);
-    const size_t zeros = c->lengths.hits[CHECK_LENGTH_NONE].count;
-    if (part->normals.count) result = norma_check_lengths_look(&m, &c->lengths);
-    if (!result && c->lengths.hits[CHECK_LENGTH_NONE].count > zeros) result = note_zeros(c, part);
-    c->run.part = NULL;
-    norma_check_close_mesh(&m);
-    return norma_check_fail(c->error, result);
+    /* Unlike those of the whole, positions have a format in their parts only. */
+    c->whole.mesh.positions.format = part->positions.format;
+    return with_part(c,
+        &(norma_mesh_data){.mesh.positions = part->positions, .normals = part->normals},
+        &(check_part){.first_vertex = part->first}, look_at_points, part);
 }
 
 /* ---- faces */
@@ -97,7 +109,8 @@ static void use_normals(large_check *c, const check_mesh *m, const uint32_t *ver
                 norma_check_directed(&m->faces[f]) != 0);
 }
 
-static norma_result look_at_part(large_check *c, check_mesh *m, const large_surface *part) {
+static norma_result look_at_part(large_check *c, check_mesh *m, const void *context) {
+    const large_surface *part = context;
     norma_result result = norma_check_faces(m);
     norma_check_unplaced_look(m, &c->unplaced);
     if (!result && part->normals.count) result = norma_check_lengths_look(m, &c->lengths);
@@ -113,31 +126,19 @@ static norma_result look_at_part(large_check *c, check_mesh *m, const large_surf
     return result;
 }
 
-typedef norma_result look_at_mesh(large_check *c, check_mesh *m, const large_surface *part);
-
-static norma_document_result with_part(
-    large_check *c, const large_surface *part, look_at_mesh *look) {
-    norma_check_mesh given = c->given;
-    check_mesh m;
-    const check_part place = {part->first_face, part->first_vertex, part->vertices};
-    given.data = (norma_mesh_data){.mesh = part->mesh, .normals = part->normals};
-    norma_result result = open_part(c, &given, &m);
-    if (result) return norma_check_fail(c->error, result);
-    c->run.part = &place;
-    result = look(c, &m, part);
-    c->run.part = NULL;
-    norma_check_close_mesh(&m);
-    return norma_check_fail(c->error, result);
+static norma_document_result with_surface(void *c, const large_surface *part, look_at_mesh *look) {
+    return with_part(c, &(norma_mesh_data){.mesh = part->mesh, .normals = part->normals},
+        &(check_part){part->first_face, part->first_vertex, part->vertices}, look, part);
 }
 
 static norma_document_result look_at_surface(void *context, const large_surface *part) {
-    return with_part(context, part, look_at_part);
+    return with_surface(context, part, look_at_part);
 }
 
 /* ---- N701: the median edge, found by halving. One reading answers all that the next halvings may
  * ask. */
 
-static norma_result sort_part(large_check *c, check_mesh *m, const large_surface *part) {
+static norma_result sort_part(large_check *c, check_mesh *m, const void *part) {
     (void)part;
     const norma_result result = norma_check_weld(m);
     return result ? result
@@ -145,7 +146,7 @@ static norma_result sort_part(large_check *c, check_mesh *m, const large_surface
 }
 
 static norma_document_result sort_surface(void *context, const large_surface *part) {
-    return with_part(context, part, sort_part);
+    return with_surface(context, part, sort_part);
 }
 
 /* The middles that may come up, ascending. */
@@ -257,24 +258,13 @@ static void describe_whole(large_check *c, const norma_mesh_info *info) {
     c->whole.mesh.face_count = info->faces;
 }
 
-static int wants_edges(large_check *c) {
-    const double coarse = norma_check_coarse_length(&c->whole, &c->largest);
-    c->ranges[0] = coarse;
-    c->range_count = norma_check_wants(&c->whole, RULE_N701) && coarse > 0;
-    return c->range_count != 0;
-}
-
-/* Unlike those of the whole, positions have a format in their parts only. */
-static norma_document_result note_format(void *context, const large_vertices *part) {
-    ((large_check *)context)->whole.mesh.positions.format = part->positions.format;
-    return look_at_vertices(context, part);
-}
-
 static norma_document_result judge_parts(large_check *c) {
     const int is_stl = c->run.format == NORMA_FILE_STL;
     const double share = is_stl ? 0.3 : 0.2;
-    norma_document_result result = norma_large_walk_vertices(c->walk, 0, share, note_format, c);
-    (void)wants_edges(c);
+    norma_document_result result =
+        norma_large_walk_vertices(c->walk, 0, share, look_at_vertices, c);
+    c->ranges[0] = norma_check_coarse_length(&c->whole, &c->largest);
+    c->range_count = norma_check_wants(&c->whole, RULE_N701) && c->ranges[0] > 0;
     if (!result) result = norma_large_walk_surface(c->walk, share, 0.9, look_at_surface, c);
     if (!result) result = judge_distance(c);
     const norma_result added = result ? NORMA_OK : add_large_findings(c);
