@@ -37,7 +37,7 @@ blender/norma_normals | NAME | the Blender add-on's menu
 LIST
     rule) cat <<'LIST' ;;
 src/check/findings/rules.def | RULE\(NAME, | id, name, severities, fix and texts
-src/check/rules src/check/run src/io src/check/maps | \bRULE_NAME\b | the code that finds it
+src/check/rules src/check/run src/io | \bRULE_NAME\b | the code that finds it
 src/cli/text/rule_pictures.def | \bNAME\b | a picture of wrong and one of right
 docs/checking.md | ^. NAME | the table (tests/repo/readme.sh --refresh)
 include/norma/check.h docs/man/norma-check.1 tests/unit/check tests/unit/io tests/cli | NAME | a test, or the manual

@@ -3,7 +3,6 @@
 #ifndef NORMA_CHECK_FIX_FIX_H
 #define NORMA_CHECK_FIX_FIX_H
 #include "check/findings/check_run.h"
-#include "check/run/run.h"
 #include <math.h>
 #include "core/mesh/mesh.h"
 
@@ -149,12 +148,12 @@ void norma_fix_close_groups(fix_maker *m);
  * are any. */
 int norma_fix_mark_group(const fix_maker *m, check_rule rule, uint8_t *marks);
 
-/* fix_sides.c: which faces of the group are reversed with a whole body (N302, N304). */
+/* fix_mesh.c: which faces of the group are reversed with a whole body (N302, N304). */
 norma_result norma_fix_turn(fix_maker *m);
 /* fix_normals.c: N501 between primitives. */
 norma_result norma_fix_seams(fix_maker *m);
 
-/* fix_sides.c: where normals and winding disagree. Which faces are turned, for a group; then for
+/* fix_mesh.c: where normals and winding disagree. Which faces are turned, for a group; then for
  * each mesh, which are reversed (N201, N301, and N302 and N304 by m->turned), and which normals. */
 norma_document_result norma_fix_ask_sides(fix_maker *m);
 norma_result norma_fix_windings(fix_mesh *m);
@@ -164,7 +163,7 @@ norma_result norma_fix_faces(fix_mesh *m);     /* fix_elements.c: N305, N401 */
 norma_result norma_fix_polygons(fix_mesh *m);  /* fix_elements.c: N404, N405 */
 norma_result norma_fix_positions(fix_mesh *m); /* fix_elements.c: N503 */
 norma_result norma_fix_normals(
-    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 (by fix_sides.c) to N203, N205, N206, N501 */
+    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 (by fix_mesh.c) to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
     fix_mesh *m); /* fix_elements.c: N403, N502; last, and only where nothing else is edited */
 norma_result norma_fix_tangents(fix_mesh *m); /* fix_normals.c: N801 to N805 */

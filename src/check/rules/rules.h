@@ -5,6 +5,7 @@
 #include "check/findings/check_run.h"
 #include <math.h>
 #include "core/topology/topology.h"
+#include "io/image/image.h"
 
 /* ---- families, each over one mesh */
 
@@ -15,7 +16,7 @@ norma_result norma_check_facing(check_mesh *m);            /* facing.c: N201, N2
 norma_result norma_check_placeholder(check_mesh *m);       /* facing.c: N203 */
 norma_result norma_check_deviation(check_mesh *m);         /* facing.c: N204 */
 norma_result norma_check_frame(check_mesh *m);             /* facing.c: N206 */
-norma_result norma_check_smoothed(check_mesh *m);          /* smoothed.c: N207 */
+norma_result norma_check_smoothed(check_mesh *m);          /* facing.c: N207 */
 norma_result norma_check_facets(check_mesh *m);            /* sides.c: N205 */
 norma_result norma_check_edges(check_mesh *m);             /* edges.c: N301, N303, N305, N306 */
 norma_result norma_check_open_edges(check_mesh *m);        /* edges.c: N307 */
@@ -28,13 +29,13 @@ norma_result norma_check_coincident(check_mesh *m);        /* positions.c: N503 
 norma_result norma_check_precision(check_mesh *m);         /* positions.c: N502, N701, N702 */
 norma_result norma_check_tangents(check_mesh *m);          /* tangents.c: N801 to N806 */
 norma_result norma_check_tangent_deviation(check_mesh *m); /* tangents.c: N807 */
-norma_result norma_check_morphs(check_mesh *m);            /* morphs.c: N901 to N903 */
+norma_result norma_check_morphs(check_mesh *m);            /* moved.c: N901 to N903 */
 
 /* Over the primitives of one glTF mesh together, which were held until the last one came. */
 norma_result norma_check_seams_joined(check_run *run);  /* seams.c: N501 */
 norma_result norma_check_solids_joined(check_run *run); /* solids.c: N301, N302, N304, N307 */
 
-/* nodes.c: N601 to N605, with the materials of the meshes that nodes draw (info.mesh and material
+/* moved.c: N601 to N605, with the materials of the meshes that nodes draw (info.mesh and material
  * of scene->meshes). world_of gives the world matrix of one instance of a node by its index in
  * scene->nodes; NULL: there is nothing but the node's own. */
 typedef norma_result check_instance_world(
@@ -65,7 +66,7 @@ static inline double norma_check_cosine_to(const check_mesh *m, size_t face, siz
     return square > .99 && square < 1.01 ? dot : dot / sqrt(square);
 }
 
-/* back_to_back.c: N306, of faces that have a twin wound the other way, one of each pair; edges are
+/* edges.c: N306, of faces that have a twin wound the other way, one of each pair; edges are
  * paired. */
 norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size_t count);
 
@@ -166,4 +167,25 @@ norma_result norma_check_median_edge(
 norma_result norma_check_distance_add(check_mesh *m, const check_largest *largest, double median);
 norma_result norma_check_encoding_add(check_mesh *m);
 
+/* ---- normal_maps.c: normal maps against the surface that they are for (N811, N812): their texels,
+ * those that faces use, and what these say. */
+
+/* An image, or of a large one a block of 4 x 4 texels out of each cell of 4 k x 4 k: neighbours
+ * stay neighbours, and shares and slopes of a million texels say as much as those of all. */
+enum { MAP_BLOCK = 4 };
+typedef struct map_texels {
+    size_t width, height; /* of the image */
+    size_t step;          /* k; 1: all texels are kept */
+    size_t columns, rows; /* kept */
+    uint8_t *colors;      /* red, green, blue; row by row */
+    size_t most;          /* how many may be kept, and as many rows painted for a mesh */
+} map_texels;
+
+/* For so many meshes: each looks at fewer texels where they are many. */
+image_result norma_map_read(const norma_texture_info *map, size_t meshes, map_texels *texels);
+void norma_map_free(map_texels *texels);
+
+/* N811 and N812 of a mesh whose normal map was read. */
+norma_result norma_check_map(
+    check_mesh *m, const norma_texture_info *map, const map_texels *texels);
 #endif

@@ -1,6 +1,5 @@
 /* seams.c: N501: normals that differ along a seam. */
 #include "check/rules/rules.h"
-#include "check/findings/check_run.h"
 #include "core/face/face.h"
 #include <math.h>
 #include <string.h>

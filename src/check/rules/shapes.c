@@ -1,7 +1,6 @@
 /* shapes.c: N401 to N405: faces without area, slivers, vertices whose normals cancel, polygons that
  * fold or bend. */
 #include "check/rules/rules.h"
-#include "check/findings/check_run.h"
 #include "core/call/call.h"
 #include "core/face/face.h"
 #include <math.h>

@@ -1,6 +1,5 @@
 /* sides.c: which faces are turned, and N205. */
 #include "check/rules/rules.h"
-#include "check/findings/check_run.h"
 #include "core/face/unit_length.h"
 #include <math.h>
 #include <stdlib.h>

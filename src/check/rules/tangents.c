@@ -1,7 +1,6 @@
 /* tangents.c: N801 to N807: tangents. */
 #include "check/rules/rules.h"
 #include "check/explain/explain.h"
-#include "check/findings/check_run.h"
 #include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,7 @@
 /* check_document.c: the rules over an open document: each mesh that it could read, its normal maps,
  * then its nodes and skins; what it could not read is told of (N002), and so is a file that could
  * not be opened (N001). */
-#include "check/findings/check_run.h"
-#include "check/maps/maps.h"
 #include "check/rules/rules.h"
-#include "check/run/run.h"
 #include "core/call/table.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>

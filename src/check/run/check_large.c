@@ -1,8 +1,6 @@
 /* check_large.c: A file larger than memory, by the rules that need no neighbours. Its vertices are
  * gone through, then its faces, part by part; what each rule sums up over the parts is what it sums
  * up over the whole. Rules that need neighbours are named as not looked at. */
-#include "check/run/run.h"
-#include "check/findings/check_run.h"
 #include "check/rules/rules.h"
 #include "core/face/unit_length.h"
 #include "io/large/large.h"
@@ -204,7 +202,7 @@ static int needs_neighbours(const large_check *c, check_rule rule) {
     return needs;
 }
 
-static norma_result tell_unread(large_check *c) {
+static norma_result tell_rules_left_out(large_check *c) {
     char names[CHECK_MESSAGE] = "", message[CHECK_MESSAGE];
     const check_place place = {.order = 0, .where = "", .label = ""};
     size_t length = 0;
@@ -231,7 +229,7 @@ static norma_result add_large_findings(large_check *c) {
     check_mesh *m = &c->whole;
     const int is_nothing =
         c->given.info.normals == NORMA_NORMALS_NONE && c->unplaced.count == c->given.info.faces;
-    norma_result result = tell_unread(c);
+    norma_result result = tell_rules_left_out(c);
     if (!result)
         result = norma_check_unplaced_add(
             m, &c->unplaced, is_nothing ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_WARNING);

@@ -1,7 +1,5 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of
  * rules, then nodes. */
-#include "check/run/run.h"
-#include "check/findings/check_run.h"
 #include "check/rules/rules.h"
 #include <stddef.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "check.h"
 #include "fix_files.h"
 #include "check/rules/rules.h"
-#include "check/run/run.h"
 
 enum { SEEDS = 1000 / SLOWER };
 

@@ -1,6 +1,6 @@
-/* maps.c: the rules that look into normal maps: N811, N812. An image is read once for all
+/* The rules that look into normal maps: N811, N812. An image is read once for all
  * primitives that show it; of its texels those count that faces use. */
-#include "check/maps/maps.h"
+#include "check/rules/rules.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
