@@ -123,8 +123,8 @@ typedef struct explain_sample {
     double (*positions)[3];
     uint32_t *corners, *starts, *groups;
     uint8_t *hard_edges;
-    uint32_t *sources; /* of each corner the corner of the whole mesh */
-    uint8_t *whole;    /* of each corner: all faces at its position are there */
+    uint32_t *sources; /* of each corner the corner of the whole mesh; UINT32_MAX: some faces at its
+                          position are not there */
     size_t position_count, corner_count, face_count;
 } explain_sample;
 enum { EXPLAIN_FACES = 4096 }; /* a mesh of no more is its own sample */
@@ -171,12 +171,11 @@ static int allocate(const core_call *call, const core_mesh *mesh, explain_sample
     s->positions = norma_core_allocate(call, s->corner_count, sizeof *s->positions);
     s->corners = norma_core_allocate(call, s->corner_count, sizeof *s->corners);
     s->sources = norma_core_allocate(call, s->corner_count, sizeof *s->sources);
-    s->whole = norma_core_allocate(call, s->corner_count, 1);
     s->starts = norma_core_allocate(call, s->face_count + 1, sizeof *s->starts);
     s->groups =
         mesh->smoothing_groups ? norma_core_allocate(call, s->face_count, sizeof *s->groups) : NULL;
     s->hard_edges = mesh->hard_edges ? norma_core_allocate(call, s->corner_count, 1) : NULL;
-    return s->positions && s->corners && s->sources && s->whole && s->starts &&
+    return s->positions && s->corners && s->sources && s->starts &&
            (s->groups || !mesh->smoothing_groups) && (s->hard_edges || !mesh->hard_edges);
 }
 
@@ -192,8 +191,7 @@ static void copy_faces(
              corner < norma_core_face_end(&t->mesh, faces[i]); ++corner, ++at) {
             s->corners[at] =
                 (uint32_t)norma_check_last_at(places, s->position_count, t->corners[corner]);
-            s->sources[at] = (uint32_t)corner;
-            s->whole[at] = (uint8_t)is_chosen(c, t->corners[corner]);
+            s->sources[at] = is_chosen(c, t->corners[corner]) ? (uint32_t)corner : UINT32_MAX;
             if (s->hard_edges) s->hard_edges[at] = t->mesh.hard_edges[corner];
         }
     }
@@ -226,7 +224,6 @@ static void explain_free_sample(const core_call *call, explain_sample *s) {
     norma_core_release(call, s->positions, s->corner_count, sizeof *s->positions);
     norma_core_release(call, s->corners, s->corner_count, sizeof *s->corners);
     norma_core_release(call, s->sources, s->corner_count, sizeof *s->sources);
-    norma_core_release(call, s->whole, s->corner_count, 1);
     norma_core_release(call, s->starts, s->face_count + 1, sizeof *s->starts);
     norma_core_release(call, s->groups, s->face_count, sizeof *s->groups);
     norma_core_release(call, s->hard_edges, s->corner_count, 1);
@@ -582,7 +579,7 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
     surface.welded = 1;
     if (!result) {
         for (size_t c = 0; c < sample.mesh.corner_count; ++c)
-            if (sample.whole[c])
+            if (sample.sources[c] != UINT32_MAX)
                 read_stored_normal(data, stored_number_of(data, checked, sample.sources[c]),
                     surface.stored + 3 * c);
         result = visit(call, &surface, context);

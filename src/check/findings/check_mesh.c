@@ -233,6 +233,15 @@ norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joine
     return NORMA_OK;
 }
 
+norma_result norma_check_join_held(check_mesh *const *held, size_t count, check_joined *joined) {
+    core_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    for (size_t i = 0; meshes && i < count; ++i) meshes[i] = held[i]->mesh;
+    const norma_result result =
+        meshes ? norma_check_join(meshes, count, joined) : NORMA_ERROR_MEMORY;
+    free(meshes);
+    return result;
+}
+
 void norma_check_unjoin(check_joined *joined) {
     free(joined->positions);
     free(joined->corners);

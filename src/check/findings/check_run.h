@@ -60,6 +60,7 @@ typedef struct check_joined {
 } check_joined;
 /* MEMORY, OVERFLOW: there is nothing to free. */
 norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joined *joined);
+norma_result norma_check_join_held(check_mesh *const *held, size_t count, check_joined *joined);
 void norma_check_unjoin(check_joined *joined);
 
 /* Which sides the faces of a group have: made when first asked for (rules/sides.c). */

@@ -181,11 +181,8 @@ typedef struct seam_place {
 } seam_place;
 
 static int compare_seam_places(const void *a, const void *b) {
-    const seam_place *one = a, *other = b;
-    for (int axis = 0; axis < 3; ++axis)
-        if (one->position[axis] != other->position[axis])
-            return one->position[axis] < other->position[axis] ? -1 : 1;
-    return 0;
+    return norma_fix_compare_points(
+        ((const seam_place *)a)->position, ((const seam_place *)b)->position);
 }
 
 /* Positions that findings at a mesh name: how many; written too unless places is NULL. */

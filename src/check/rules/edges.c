@@ -279,14 +279,15 @@ typedef enum conflict_kind {
 
 /* ---- N301 */
 
-/* edges: of each face, at most 255. */
-static void count_conflicts(const check_mesh *m, const edge_part *part, uint8_t *edges) {
-    for (size_t i = 0; i < part->conflicts.count; ++i) {
-        size_t faces[2] = {norma_core_topology_face(&m->topology, part->conflicts.each[i].first),
-            norma_core_topology_face(&m->topology, part->conflicts.each[i].second)};
-        for (int k = 0; k < 2; ++k)
-            edges[faces[k]] = (uint8_t)(edges[faces[k]] + (edges[faces[k]] < 255));
+int norma_check_count_conflicts(const core_topology *t, uint8_t *edges) {
+    int any = 0;
+    for (size_t c = 0; c < t->mesh.corner_count; ++c) {
+        const size_t face = norma_core_topology_face(t, c);
+        if (t->partners[c] != CORE_EDGE_CONFLICT) continue;
+        edges[face] = (uint8_t)(edges[face] + (edges[face] < 255));
+        any = 1;
     }
+    return any;
 }
 
 /* Of the two faces the one with more such edges is the likelier to be wound wrongly: a single face
@@ -383,7 +384,7 @@ static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t 
     norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(edges, 0, faces);
-        for (size_t i = 0; i < blocks; ++i) count_conflicts(m, &parts[i], edges);
+        (void)norma_check_count_conflicts(&m->topology, edges);
         result = norma_check_sides(m, edges, sides);
     }
     if (!result) result = add_judged(m, parts, blocks, edges, sides);
@@ -500,17 +501,6 @@ norma_result norma_check_edges(check_mesh *m) {
 
 static size_t other_face(const core_topology *t, size_t corner) {
     return norma_core_topology_face(t, t->others[corner]);
-}
-
-int norma_check_count_conflicts(const core_topology *t, uint8_t *edges) {
-    int any = 0;
-    for (size_t c = 0; c < t->mesh.corner_count; ++c) {
-        const size_t face = norma_core_topology_face(t, c);
-        if (t->partners[c] != CORE_EDGE_CONFLICT) continue;
-        edges[face] = (uint8_t)(edges[face] + (edges[face] < 255));
-        any = 1;
-    }
-    return any;
 }
 
 /* Whether the edge is told of at this corner and not at the other. */

@@ -233,21 +233,41 @@ norma_result norma_check_deviation(check_mesh *m) {
 
 static const double OTHER_FRAME_RAD = 0.52359877559829882; /* 30 degrees */
 
+typedef struct opposed_sides {
+    size_t turned, right, undecided;
+    double right_area; /* twice */
+} opposed_sides;
+
+/* Of the faces that normals oppose, after check_opposed. */
+static norma_result find_sides(check_mesh *m, opposed_sides *sides) {
+    uint8_t *of_faces = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
+    norma_result result =
+        of_faces ? norma_check_sides(m, m->opposed, of_faces) : NORMA_ERROR_MEMORY;
+    *sides = (opposed_sides){0};
+    for (size_t f = 0; !result && f < m->mesh.face_count; ++f) {
+        if (!m->opposed[f]) continue;
+        const int undecided = (of_faces[f] & CORE_SIDE_UNDECIDED) != 0,
+                  turned = !undecided && of_faces[f] & CORE_SIDE_TURNED;
+        sides->undecided += (size_t)undecided;
+        sides->turned += (size_t)turned;
+        if (undecided || turned) continue;
+        ++sides->right;
+        sides->right_area += norma_check_twice_area(m, f);
+    }
+    norma_core_release(&m->run->call, of_faces, m->mesh.face_count, 1);
+    return result;
+}
+
 /* The winding is shown to be wrong, or that is undecided, for more than a hundredth of the area
  * where normals and winding disagree: then N201 says so, and to compute all normals again would
  * reverse some that are right. */
 static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
+    opposed_sides sides;
     *in_doubt = 0;
     norma_result result = check_opposed(m);
     if (result || !m->opposed_count) return result;
-    double right = 0;
-    uint8_t *sides = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
-    result = sides ? norma_check_sides(m, m->opposed, sides) : NORMA_ERROR_MEMORY;
-    for (size_t f = 0; !result && f < m->mesh.face_count; ++f)
-        if (m->opposed[f] && !(sides[f] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)))
-            right += norma_check_twice_area(m, f);
-    *in_doubt = !(right > 0.99 * m->opposed_area);
-    norma_core_release(&m->run->call, sides, m->mesh.face_count, 1);
+    result = find_sides(m, &sides);
+    *in_doubt = !(sides.right_area > 0.99 * m->opposed_area);
     return result;
 }
 
@@ -546,28 +566,6 @@ static norma_result check_far(check_mesh *m) {
 /* ---- N201: normals on the other side of their faces. */
 
 /* ---- which is wrong, the normals or the winding */
-
-typedef struct opposed_sides {
-    size_t turned, right, undecided;
-} opposed_sides;
-
-static norma_result find_sides(check_mesh *m, opposed_sides *sides) {
-    uint8_t *of_faces = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
-    norma_result result =
-        of_faces ? norma_check_sides(m, m->opposed, of_faces) : NORMA_ERROR_MEMORY;
-    *sides = (opposed_sides){0};
-    for (size_t f = 0; !result && f < m->mesh.face_count; ++f) {
-        if (!m->opposed[f]) continue;
-        if (of_faces[f] & CORE_SIDE_UNDECIDED)
-            ++sides->undecided;
-        else if (of_faces[f] & CORE_SIDE_TURNED)
-            ++sides->turned;
-        else
-            ++sides->right;
-    }
-    norma_core_release(&m->run->call, of_faces, m->mesh.face_count, 1);
-    return result;
-}
 
 static void describe_sides(const opposed_sides *s, char text[CHECK_MESSAGE]) {
     const char *turn = s->turned == 1 ? "face" : "faces";

@@ -275,11 +275,10 @@ typedef struct joined {
     check_run *run;
     norma_check_mesh given;
     check_mesh m;
-    size_t vertices, corner_count;
-    double *positions, *normals,
-        *angles; /* angles: of a hit, at the vertex that stands for it; else 0 */
+    check_joined whole;
+    double *normals, *angles; /* angles: of a hit, at the vertex that stands for it; else 0 */
     float *texcoords, *colors;
-    uint32_t *corners, *materials, *members; /* members: of each vertex */
+    uint32_t *materials, *members; /* members: of each vertex */
     double least;
     const seam_creases *creases; /* NULL: not known yet */
 } joined;
@@ -298,33 +297,30 @@ static int has_all(const check_group *group, int colors) {
 
 static norma_result open_joined(joined *j, int texcoords, int colors) {
     const core_call *call = &j->run->call;
-    size_t v = j->vertices, c = j->corner_count;
-    j->positions = norma_core_allocate(call, v, 3 * sizeof *j->positions);
+    const size_t v = j->whole.mesh.positions.count, c = j->whole.mesh.corner_count;
     j->normals = norma_core_allocate(call, v, 3 * sizeof *j->normals);
     j->angles = norma_core_allocate(call, v, sizeof *j->angles);
     j->members = norma_core_allocate(call, v, sizeof *j->members);
-    j->corners = norma_core_allocate(call, c, sizeof *j->corners);
     j->materials = norma_core_allocate(call, c / 3, sizeof *j->materials);
     j->texcoords = texcoords ? norma_core_allocate(call, v, 2 * sizeof *j->texcoords) : NULL;
     j->colors = colors ? norma_core_allocate(call, v, 4 * sizeof *j->colors) : NULL;
-    int whole = j->positions && j->normals && j->angles && j->members && j->corners &&
-                j->materials && (!texcoords || j->texcoords) && (!colors || j->colors);
-    return whole ? NORMA_OK : NORMA_ERROR_MEMORY;
+    const int fine = j->normals && j->angles && j->members && j->materials &&
+                     (!texcoords || j->texcoords) && (!colors || j->colors);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
 static void close_joined(joined *j) {
     const core_call *call = &j->run->call;
-    size_t v = j->vertices, c = j->corner_count;
+    const size_t v = j->whole.mesh.positions.count, c = j->whole.mesh.corner_count;
     norma_core_release(call, j->m.faces, j->m.mesh.face_count, sizeof *j->m.faces);
     if (j->m.has_topology) norma_core_topology_close(&j->m.topology);
     norma_core_release(call, j->colors, v, 4 * sizeof *j->colors);
     norma_core_release(call, j->texcoords, v, 2 * sizeof *j->texcoords);
     norma_core_release(call, j->materials, c / 3, sizeof *j->materials);
-    norma_core_release(call, j->corners, c, sizeof *j->corners);
     norma_core_release(call, j->members, v, sizeof *j->members);
     norma_core_release(call, j->angles, v, sizeof *j->angles);
     norma_core_release(call, j->normals, v, 3 * sizeof *j->normals);
-    norma_core_release(call, j->positions, v, 3 * sizeof *j->positions);
+    norma_check_unjoin(&j->whole);
 }
 
 static void copy_member(joined *j, size_t number, size_t begin, size_t corner) {
@@ -332,15 +328,12 @@ static void copy_member(joined *j, size_t number, size_t begin, size_t corner) {
     const norma_mesh_attributes *a = &member->given->attributes;
     const size_t count = member->mesh.positions.count;
     for (size_t v = 0; v < count; ++v) {
-        norma_view_read(&member->mesh.positions, v, &j->positions[3 * (begin + v)]);
         norma_view_read(&member->given->data.normals, v, &j->normals[3 * (begin + v)]);
         j->members[begin + v] = (uint32_t)number;
     }
     if (j->texcoords && count)
         memcpy(&j->texcoords[2 * begin], a->texcoords, 2 * count * sizeof *j->texcoords);
     if (j->colors && count) memcpy(&j->colors[4 * begin], a->colors, 4 * count * sizeof *j->colors);
-    for (size_t c = 0; c < member->mesh.corner_count; ++c)
-        j->corners[corner + c] = (uint32_t)begin + norma_core_corner(&member->mesh, c);
     for (size_t f = 0; f < member->mesh.face_count; ++f)
         j->materials[corner / 3 + f] =
             a->material < UINT32_MAX ? (uint32_t)a->material : UINT32_MAX;
@@ -353,15 +346,12 @@ static norma_result fill_joined(joined *j) {
         vertex += j->run->group->seams[i]->mesh.positions.count;
         corner += j->run->group->seams[i]->mesh.corner_count;
     }
-    j->given.data.mesh =
-        (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
-            .corners = j->corners,
-            .corner_count = j->corner_count};
-    j->given.data.normals = (norma_vec3_view){j->normals, j->vertices, 0, NORMA_FORMAT_DOUBLE};
+    j->given.data.mesh = j->whole.mesh;
+    j->given.data.normals = (norma_vec3_view){j->normals, vertex, 0, NORMA_FORMAT_DOUBLE};
     j->given.info.normals = NORMA_NORMALS_PER_VERTEX;
     j->given.attributes.face_materials = j->materials;
     j->given.attributes.texcoords = j->texcoords;
-    j->given.attributes.texcoord_count = j->texcoords ? j->vertices : 0;
+    j->given.attributes.texcoord_count = j->texcoords ? vertex : 0;
     j->given.attributes.colors = j->colors;
     j->m = (check_mesh){.run = j->run,
         .given = &j->given}; /* no rule is wanted: edges and the like are not told of again */
@@ -404,13 +394,13 @@ static norma_result add_members(const joined *j) {
 }
 
 static norma_result judge_all(joined *j) {
-    memset(j->angles, 0, j->vertices * sizeof *j->angles);
+    memset(j->angles, 0, j->whole.mesh.positions.count * sizeof *j->angles);
     return norma_check_blocks(&j->run->call, j->m.topology.corners_of.position_count,
         JOINED_IN_BLOCK, judge_joined_positions, j);
 }
 
 static int has_any(const joined *j) {
-    for (size_t v = 0; v < j->vertices; ++v)
+    for (size_t v = 0; v < j->whole.mesh.positions.count; ++v)
         if (j->angles[v] != 0) return 1;
     return 0;
 }
@@ -430,19 +420,14 @@ static norma_result judge_joined(joined *j) {
 }
 
 norma_result norma_check_seams_joined(check_run *run) {
+    const check_group *group = run->group;
     joined j = {.run = run};
-    for (size_t i = 0; i < run->group->seam_count; ++i) {
-        const check_mesh *member = run->group->seams[i];
-        if (member->mesh.positions.count >= UINT32_MAX - 1 - j.vertices ||
-            member->mesh.corner_count >= UINT32_MAX - 1 - j.corner_count)
-            return NORMA_ERROR_OVERFLOW;
-        j.vertices += member->mesh.positions.count;
-        j.corner_count += member->mesh.corner_count;
-        double least = check_seam_least(member->given->info.encoding);
-        j.least = least > j.least ? least : j.least;
-    }
-    if (!run->group->seam_count) return NORMA_OK;
-    norma_result result = open_joined(&j, has_all(run->group, 0), has_all(run->group, 1));
+    if (!group->seam_count) return NORMA_OK;
+    for (size_t i = 0; i < group->seam_count; ++i)
+        j.least = fmax(j.least, check_seam_least(group->seams[i]->given->info.encoding));
+    norma_result result = norma_check_join_held(group->seams, group->seam_count, &j.whole);
+    if (result) return result;
+    result = open_joined(&j, has_all(group, 0), has_all(group, 1));
     if (!result) result = judge_joined(&j);
     close_joined(&j);
     return result;

@@ -197,15 +197,6 @@ static norma_result check_tell_solids(const check_solids *s) {
  * itself, even if others touch it; open parts are joined at equal positions. A component is
  * reported at the primitive of its first face. */
 
-typedef struct joined {
-    check_run *run;
-    size_t vertices, corner_count;
-    double *positions;
-    uint32_t *corners, *loose, *sources; /* loose: corners of the loose faces, numbers of sources;
-                                            sources: the vertex of each such corner */
-    size_t loose_count;
-} joined;
-
 static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
     uint8_t *loose = calloc(m->mesh.face_count + 1, 1);
     for (size_t f = 0; loose && f < m->mesh.face_count; ++f)
@@ -226,58 +217,51 @@ static norma_result check_solids_hold(check_mesh *m, const core_components *comp
 
 /* ---- the whole */
 
-static norma_result open_solids(joined *j) {
-    const core_call *call = &j->run->call;
-    j->positions = norma_core_allocate(call, j->vertices, 3 * sizeof *j->positions);
-    j->corners = norma_core_allocate(call, j->corner_count, sizeof *j->corners);
-    j->loose = norma_core_allocate(call, j->corner_count, sizeof *j->loose);
-    j->sources = norma_core_allocate(call, j->corner_count, sizeof *j->sources);
-    return j->positions && j->corners && j->loose && j->sources ? NORMA_OK : NORMA_ERROR_MEMORY;
-}
-
-static void close_solids(joined *j) {
-    const core_call *call = &j->run->call;
-    norma_core_release(call, j->sources, j->corner_count, sizeof *j->sources);
-    norma_core_release(call, j->loose, j->corner_count, sizeof *j->loose);
-    norma_core_release(call, j->corners, j->corner_count, sizeof *j->corners);
-    norma_core_release(call, j->positions, j->vertices, 3 * sizeof *j->positions);
-}
-
-static void fill_solids(joined *j) {
-    size_t vertex = 0, corner = 0;
-    for (size_t i = 0; i < j->run->group->solid_count; ++i) {
-        const check_mesh *member = j->run->group->solids[i];
-        for (size_t v = 0; v < member->mesh.positions.count; ++v)
-            norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
+/* Its corners become those of the members, whose equal positions are one. sources: room for the
+ * corners of loose faces. Returns how many these are. */
+static size_t list_loose(const check_group *group, check_joined *whole, uint32_t *sources) {
+    size_t vertex = 0, corner = 0, loose = 0;
+    for (size_t i = 0; i < group->solid_count; ++i) {
+        const check_mesh *member = group->solids[i];
         for (size_t c = 0; c < member->mesh.corner_count; ++c) {
-            j->corners[corner + c] = (uint32_t)vertex + member->welded[c];
-            if (member->loose[c / 3]) j->sources[j->loose_count++] = (uint32_t)(corner + c);
+            whole->corners[corner + c] = (uint32_t)vertex + member->welded[c];
+            if (member->loose[c / 3]) sources[loose++] = (uint32_t)(corner + c);
         }
         vertex += member->mesh.positions.count;
         corner += member->mesh.corner_count;
     }
+    return loose;
 }
 
-static norma_mesh mesh_of_corners(const joined *j, const uint32_t *corners, size_t corner_count) {
-    return (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
-        .corners = corners,
-        .corner_count = corner_count};
+static norma_result weld_loose(
+    core_call *call, check_joined *whole, const uint32_t *sources, uint32_t *loose, size_t count) {
+    core_mesh mesh;
+    core_topology topology;
+    norma_mesh all = whole->mesh;
+    for (size_t i = 0; i < count; ++i) loose[i] = whole->corners[sources[i]];
+    all.corners = loose;
+    all.corner_count = count;
+    all.face_count = 0;
+    norma_result result = norma_core_mesh_shape(&all, &mesh);
+    mesh.scale = 1;
+    if (!result) result = norma_core_topology_open(call, &mesh, &topology);
+    if (result) return result;
+    for (size_t i = 0; i < count; ++i) whole->corners[sources[i]] = topology.corners[i];
+    norma_core_topology_close(&topology);
+    return NORMA_OK;
 }
 
 /* Loose corners at equal positions, whichever primitive they are of, become one. */
-static norma_result join_loose(joined *j) {
-    core_mesh mesh;
-    core_topology topology;
-    for (size_t i = 0; i < j->loose_count; ++i) j->loose[i] = j->corners[j->sources[i]];
-    const norma_mesh loose = mesh_of_corners(j, j->loose, j->loose_count);
-    if (!j->loose_count) return NORMA_OK;
-    norma_result result = norma_core_mesh_shape(&loose, &mesh);
-    mesh.scale = 1;
-    if (!result) result = norma_core_topology_open(&j->run->call, &mesh, &topology);
-    if (result) return result;
-    for (size_t i = 0; i < j->loose_count; ++i) j->corners[j->sources[i]] = topology.corners[i];
-    norma_core_topology_close(&topology);
-    return NORMA_OK;
+static norma_result join_loose(check_run *run, check_joined *whole) {
+    const size_t corners = whole->mesh.corner_count;
+    uint32_t *loose = norma_core_allocate(&run->call, corners, sizeof *loose),
+             *sources = norma_core_allocate(&run->call, corners, sizeof *sources);
+    norma_result result = loose && sources ? NORMA_OK : NORMA_ERROR_MEMORY;
+    const size_t count = result ? 0 : list_loose(run->group, whole, sources);
+    if (count) result = weld_loose(&run->call, whole, sources, loose, count);
+    norma_core_release(&run->call, sources, corners, sizeof *sources);
+    norma_core_release(&run->call, loose, corners, sizeof *loose);
+    return result;
 }
 
 /* ---- judging */
@@ -332,25 +316,24 @@ static norma_result judge_conflicts(check_run *run, const core_topology *topolog
 }
 
 /* The positions that are to be one are one already. */
-static norma_result judge_joined_solids(joined *j) {
-    core_call call = j->run->call;
+static norma_result judge_joined_solids(check_run *run, const norma_mesh *whole) {
+    core_call call = run->call;
     core_mesh mesh;
     core_topology topology;
     core_components components;
     const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
-    const norma_mesh whole = mesh_of_corners(j, j->corners, j->corner_count);
-    norma_result result = norma_core_mesh_shape(&whole, &mesh);
+    norma_result result = norma_core_mesh_shape(whole, &mesh);
     mesh.scale = 1;
     call.options.weld = NORMA_WELD_NONE;
     if (!result) result = norma_core_topology_open(&call, &mesh, &topology);
     if (result) return result;
     result = norma_core_pair_edges(&topology, &nobody);
-    if (!result) result = judge_conflicts(j->run, &topology);
+    if (!result) result = judge_conflicts(run, &topology);
     if (!result) result = norma_core_find_components(&topology, CORE_JOIN_BODIES, &components);
     if (!result) {
         result = check_judge_solids(
-            &topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);
-        if (!result) result = tell_members(j->run, &topology, &components);
+            &topology, &components, run->rules[RULE_N302], run->rules[RULE_N304]);
+        if (!result) result = tell_members(run, &topology, &components);
         norma_core_release_components(&call, &components);
     }
     norma_core_topology_close(&topology);
@@ -358,25 +341,14 @@ static norma_result judge_joined_solids(joined *j) {
 }
 
 norma_result norma_check_solids_joined(check_run *run) {
-    joined j = {.run = run};
-    norma_result result = NORMA_OK;
-    for (size_t i = 0; i < run->group->solid_count && !result; ++i) {
-        const core_mesh *mesh = &run->group->solids[i]->mesh;
-        if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices ||
-            mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)
-            result = NORMA_ERROR_OVERFLOW;
-        j.vertices += mesh->positions.count;
-        j.corner_count += mesh->corner_count;
-    }
-    if (!result && run->group->solid_count) {
-        result = open_solids(&j);
-        if (!result) {
-            fill_solids(&j);
-            result = join_loose(&j);
-        }
-        if (!result) result = judge_joined_solids(&j);
-        close_solids(&j);
-    }
+    check_joined whole;
+    if (!run->group->solid_count) return NORMA_OK;
+    norma_result result =
+        norma_check_join_held(run->group->solids, run->group->solid_count, &whole);
+    if (result) return result;
+    result = join_loose(run, &whole);
+    if (!result) result = judge_joined_solids(run, &whole.mesh);
+    norma_check_unjoin(&whole);
     return result;
 }
 

@@ -234,33 +234,27 @@ static void describe_face_faults(const norma_mesh_attributes *a, char message[CH
 
 static norma_result add_mismatch(check_mesh *m) {
     const norma_mesh_attributes *a = &m->given->attributes;
-    char message[CHECK_MESSAGE];
+    const int none = a->face_faults && !norma_check_normal_count(m);
+    const size_t count = none                 ? a->normals_out_of_range
+                         : a->normals_missing ? a->normals_missing
+                                              : a->normals_surplus;
+    char faults[CHECK_MESSAGE];
     check_hits hits = {0};
     hit_faults(m, &hits);
-    if (!hits.count) return NORMA_OK;
-    const int none = a->face_faults && !norma_check_normal_count(m);
-    if (none)
-        norma_check_message(message,
-            "refused by readers, or shaded as if without normals: %z face%s with a vn index, but "
-            "the file has no vn at all",
-            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range));
-    else if (a->face_faults)
-        describe_face_faults(a, message);
-    else if (a->normals_missing)
-        norma_check_message(message,
-            "refused by readers, or read beyond the normals: %z normal%s fewer than positions",
-            a->normals_missing, norma_check_plural(a->normals_missing));
-    else
-        norma_check_message(message,
-            "refused by readers, or shaded by the wrong normals: %z normal%s more than positions",
-            a->normals_surplus, norma_check_plural(a->normals_surplus));
+    if (a->face_faults && !none) describe_face_faults(a, faults);
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N106,
             .severity = NORMA_SEVERITY_ERROR,
             .no_value = 1,
             .fix_is_unsafe = none,
             .hits = &hits},
-        "%s", message);
+        none ? "refused by readers, or shaded as if without normals: %z face%s with a vn index, "
+               "but the file has no vn at all"
+        : a->face_faults ? faults
+        : a->normals_missing
+            ? "refused by readers, or read beyond the normals: %z normal%s fewer than positions"
+            : "refused by readers, or shaded by the wrong normals: %z normal%s more than positions",
+        count, norma_check_plural(count));
 }
 
 norma_result norma_check_missing_normals(check_mesh *m) {
