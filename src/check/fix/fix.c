@@ -242,53 +242,38 @@ static void leave_out_untried(fixing *f, const check_rule *rules, size_t count) 
     }
 }
 
-/* These rules' fixes, which are left out at present, with those that did no harm. */
-static norma_document_result try_rules(fixing *f, const check_rule *rules, size_t count) {
+/* Those whose fixes its plans are; how many. */
+static size_t list_asked(const fix_trial *trial, check_rule *rules) {
+    size_t count = 0;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule) {
+        int is_asked = 0;
+        for (size_t i = 0; i < trial->count; ++i) is_asked |= trial->plans[i].asked[rule];
+        if (is_asked) rules[count++] = (check_rule)rule;
+    }
+    return count;
+}
+
+/* These rules' fixes, which are left out at present, with those that did no harm. given NULL: all
+ * at once, first: they seldom harm. */
+static norma_document_result try_rules(fixing *f, const check_rule *given, size_t count) {
     fix_trial trial;
     harm harmful;
     int worse;
-    if (f->checks >= MOST_CHECKS) return leave_out_untried(f, rules, count), NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 0;
+    check_rule rules[CHECK_RULE_COUNT];
+    if (given && f->checks >= MOST_CHECKS)
+        return leave_out_untried(f, given, count), NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i] = given[i]] = 0;
     norma_document_result result = try_request(f, &trial, &harmful, &worse);
+    if (!given) count = list_asked(&trial, rules);
     if (!result && !worse)
         keep_trial(f, &trial);
     else if (!result && count == 1)
         result = leave_out(f, rules[0], &trial, harmful);
     norma_fix_trial_free(&trial);
-    if (result || !worse || count == 1) return result;
+    if (result || !worse || count < 2) return result;
     for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 1;
     result = try_rules(f, rules, count / 2);
     return result ? result : try_rules(f, rules + count / 2, count - count / 2);
-}
-
-static norma_document_result leave_out_harmful(fixing *f, const uint8_t *asked) {
-    check_rule rules[CHECK_RULE_COUNT];
-    size_t count = 0;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; ++rule)
-        if (asked[rule]) rules[count++] = (check_rule)rule;
-    for (size_t i = 0; i < count; ++i) f->request.left_out[rules[i]] = 1;
-    norma_document_result result = try_rules(f, rules, count / 2);
-    return result ? result : try_rules(f, rules + count / 2, count - count / 2);
-}
-
-/* All fixes at once first: they seldom harm. */
-static norma_document_result find_fixes(fixing *f) {
-    fix_trial trial;
-    harm harmful;
-    int worse;
-    uint8_t asked[CHECK_RULE_COUNT] = {0};
-    size_t rules = 0, rule = 0;
-    norma_document_result result = try_request(f, &trial, &harmful, &worse);
-    for (size_t i = 0; i < trial.count; ++i)
-        for (size_t k = 0; k < CHECK_RULE_COUNT; ++k) asked[k] |= trial.plans[i].asked[k];
-    for (size_t k = 0; k < CHECK_RULE_COUNT; ++k)
-        if (asked[k]) rules++, rule = k;
-    if (!result && !worse)
-        keep_trial(f, &trial);
-    else if (!result && rules == 1)
-        result = leave_out(f, (check_rule)rule, &trial, harmful);
-    norma_fix_trial_free(&trial);
-    return !result && worse && rules > 1 ? leave_out_harmful(f, asked) : result;
 }
 
 /* ---- why a fix was left out, or changed nothing */
@@ -425,7 +410,7 @@ static norma_document_result fix_one(fixing *f, const norma_check_options *optio
     norma_document_result result =
         begin_fixing(f, options, options ? options->rules : NULL, &progress);
     f->request.reads_maps = f->request.unsafe && f->request.wanted[RULE_N812];
-    if (!result) result = find_fixes(f);
+    if (!result) result = try_rules(f, NULL, 0);
     if (!result) result = carry_out(f);
     end_fixing(f);
     return result;
@@ -502,7 +487,7 @@ static norma_document_result try_offer(
     f->request.wanted[rule] = 1;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (f->checks < MOST_OFFER_CHECKS)
-        result = find_fixes(f);
+        result = try_rules(f, NULL, 0);
     else
         leave_out_untried(f, &rule, 1);
     if (result && result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
