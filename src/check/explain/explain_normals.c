@@ -136,10 +136,16 @@ typedef struct choice {
     uint64_t one_in;
 } choice;
 
+static uint64_t mix_bits(uint64_t h) {
+    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
+    return h ^ (h >> 32);
+}
+
 static int is_chosen(const choice *c, uint32_t position) {
     const core_corners_of_position *around = &c->topology->corners_of;
     size_t count = around->starts[position + 1] - around->starts[position];
-    return count > 0 && count <= MOST_AT_POSITION && norma_check_mix(position) % c->one_in == 0;
+    return count > 0 && count <= MOST_AT_POSITION && mix_bits(position) % c->one_in == 0;
 }
 
 /* The places of the ones, ascending. */

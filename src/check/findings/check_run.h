@@ -301,12 +301,6 @@ void norma_check_sum_free(check_sum *sum);
 /* Of an ascending list the place of the last number that is no greater; 0: the first is. */
 size_t norma_check_last_at(const uint32_t *sorted, size_t count, size_t number);
 
-static inline uint64_t norma_check_mix(uint64_t h) { /* for hashes */
-    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
-    return h ^ (h >> 32);
-}
-
 /* ---- places (findings.c) */
 
 /* "mesh 0 primitive 1 \"name\"", or "" for the one mesh of OBJ, PLY and STL. */

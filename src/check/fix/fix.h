@@ -61,7 +61,6 @@ typedef struct fix_plan {
 norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
     const norma_findings *found, fix_plan *plan, norma_document_error *error);
 int norma_fix_plan_is_empty(const fix_plan *plan);
-int norma_fix_plan_moves(const fix_plan *plan); /* whether faces or positions do not stay */
 norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
     uint32_t threads, int *changed, norma_document_error *error);
 /* why: a constant, and a part of text. Without memory it is lost. */
@@ -144,9 +143,6 @@ typedef struct fix_maker {
 /* The meshes from m->next on that belong together. */
 norma_document_result norma_fix_next_group(fix_maker *m);
 void norma_fix_close_groups(fix_maker *m);
-/* Marks the faces of the group that the findings of a rule name, those that may be fixed; 1: there
- * are any. */
-int norma_fix_mark_group(const fix_maker *m, check_rule rule, uint8_t *marks);
 
 /* fix_mesh.c: which faces of the group are reversed with a whole body (N302, N304). */
 norma_result norma_fix_turn(fix_maker *m);

@@ -175,7 +175,9 @@ void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char
     if (copy) notes[plan->note_count++] = (fix_note){memcpy(copy, text, size), why, rules};
 }
 
-int norma_fix_mark_group(const fix_maker *m, check_rule rule, uint8_t *marks) {
+/* Marks the faces of the group that the findings of a rule name, those that may be fixed; 1: there
+ * are any. */
+static int mark_faces_of_group(const fix_maker *m, check_rule rule, uint8_t *marks) {
     size_t begin = 0, count;
     int any = 0;
     for (size_t i = 0; i < m->count; begin += m->meshes[i++].face_count) {
@@ -442,8 +444,8 @@ static norma_result share_turned(const fix_maker *m, const uint8_t *inward, cons
 }
 
 static norma_result turn_bodies(const fix_maker *m, uint8_t *inward, uint8_t *open) {
-    const int turns = norma_fix_mark_group(m, RULE_N302, inward),
-              asks = norma_fix_mark_group(m, RULE_N304, open);
+    const int turns = mark_faces_of_group(m, RULE_N302, inward),
+              asks = mark_faces_of_group(m, RULE_N304, open);
     const core_topology *topology = &m->judge->sides.topology;
     core_components c;
     norma_result result = turns || asks ? open_fix_judge(m) : NORMA_OK;
@@ -502,8 +504,8 @@ static norma_document_result share_sides(const fix_maker *m, const uint8_t *side
  * alone, as the rules do. */
 static void mark_asked_faces(const fix_maker *m, uint8_t *asked) {
     (void)norma_check_count_conflicts(&m->judge->sides.topology, asked);
-    (void)norma_fix_mark_group(m, RULE_N201, asked);
-    (void)norma_fix_mark_group(m, RULE_N205, asked);
+    (void)mark_faces_of_group(m, RULE_N201, asked);
+    (void)mark_faces_of_group(m, RULE_N205, asked);
     size_t begin = 0;
     for (size_t i = 0; i < m->count; begin += m->meshes[i++].face_count) {
         const uint8_t *turned = m->shared[m->indices[i]].turned;

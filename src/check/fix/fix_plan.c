@@ -132,7 +132,8 @@ int norma_fix_plan_is_empty(const fix_plan *plan) {
            !plan->smoothed && !plan->replaces && !plan->breaks && !plan->computes && !plan->bakes;
 }
 
-int norma_fix_plan_moves(const fix_plan *plan) {
+/* Whether faces or positions do not stay. */
+static int plan_moves(const fix_plan *plan) {
     int moves = plan->recentred || plan->tangents || plan->smoothed || plan->bakes;
     for (size_t i = 0; i < plan->mesh_count; ++i)
         moves |= plan->edits[i].drop_faces || plan->edits[i].cut_faces ||
@@ -664,7 +665,7 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
         if (!result) result = look_at_copy(copy, request, known, trial, error);
         if (result || !changed || trial->count == FIX_MOST_STEPS) break;
         /* What rays said they would say again, but where something was moved since. */
-        next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
+        next.by_rays = request->by_rays && plan_moves(plan);
         /* What one turn of a map does not make right, another would only undo. */
         next.left_out[RULE_N812] |= plan->greens != NULL;
         result = norma_fix_make_plan(

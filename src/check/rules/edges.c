@@ -113,7 +113,8 @@ static norma_result add_back_to_back(check_mesh *m, check_hits *sheets, check_hi
     return result ? result : add_solids(m, of_solids, solids);
 }
 
-norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size_t count) {
+/* N306, of faces that have a twin wound the other way, one of each pair; edges are paired. */
+static norma_result add_paired_faces(check_mesh *m, const uint32_t *faces, size_t count) {
     check_hits sheets = {0}, solids = {0};
     uint8_t *open = norma_core_allocate(&m->run->call, count, 1);
     norma_result result = open ? find_sheets(m, faces, count, open) : NORMA_ERROR_MEMORY;
@@ -437,7 +438,7 @@ static norma_result add_pairs(check_mesh *m, const edge_part *parts, size_t bloc
     if (!faces) return NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < blocks; ++i)
         for (size_t k = 0; k < parts[i].pairs.count; ++k) *at++ = parts[i].pairs.each[k].second;
-    const norma_result result = norma_check_back_to_back(m, faces, count);
+    const norma_result result = add_paired_faces(m, faces, count);
     norma_core_release(&m->run->call, faces, count, sizeof *faces);
     return result;
 }

@@ -155,7 +155,7 @@ static norma_result find_placeholder(check_mesh *m, placeholder *p) {
     return result;
 }
 
-norma_result norma_check_is_placeholder(check_mesh *m, int *is) {
+static norma_result holds_placeholder(check_mesh *m, int *is) {
     placeholder p;
     const norma_result result = m->placeholder ? NORMA_OK : find_placeholder(m, &p);
     *is = m->placeholder == CHECK_YES;
@@ -294,7 +294,7 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
     if (result || is_near) return result;
     result = check_deviation_of(m, &deviation);
     if (result || !deviation->corners || !(deviation->p50_rad > OTHER_FRAME_RAD)) return result;
-    result = norma_check_is_placeholder(m, &is_placeholder);
+    result = holds_placeholder(m, &is_placeholder);
     if (!result && !is_placeholder) result = is_winding_in_doubt(m, &in_doubt);
     if (result || is_placeholder || in_doubt) return result;
     m->frame = CHECK_YES;
@@ -745,7 +745,7 @@ static norma_result add_smoothed(check_mesh *m, double twice_area, check_hits *h
     const double whole = norma_check_add_areas(m, 0);
     int is_placeholder = 0, other_frame = 0;
     if (!(twice_area > SMOOTHED_SHARE * whole)) return NORMA_OK;
-    norma_result result = norma_check_is_placeholder(m, &is_placeholder);
+    norma_result result = holds_placeholder(m, &is_placeholder);
     if (!result) result = norma_check_is_of_another_frame(m, &other_frame);
     if (result || is_placeholder || other_frame) return result;
     return norma_check_report(m,

@@ -94,6 +94,14 @@ typedef struct node_judgement {
     int double_sided; /* some material of its mesh */
 } node_judgement;
 
+static node_judgement begin_judgement(
+    check_run *run, const char *where, const char *label, const char *ignore) {
+    node_judgement j = {.run = run, .place = {run->next_order++, where ? where : "", label}};
+    memcpy(j.rules, run->rules, sizeof j.rules);
+    norma_check_silence(j.rules, ignore);
+    return j;
+}
+
 static norma_result add_node_finding(const node_judgement *j, check_rule rule,
     norma_severity severity, size_t count, double worst, const char *unit, const char *message) {
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
@@ -178,12 +186,10 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     check_instance_world *world_of, void *context) {
     const norma_node_info *node = &scene->nodes[index];
     char label[CHECK_MESSAGE];
-    node_judgement j = {.run = run, .node = node, .has_worlds = world_of != NULL};
+    node_judgement j = begin_judgement(run, node->where, label, node->ignore);
     node_sums sums = {0};
-    j.place = (check_place){
-        .order = run->next_order++, .where = node->where ? node->where : "", .label = label};
-    memcpy(j.rules, run->rules, sizeof j.rules);
-    norma_check_silence(j.rules, node->ignore);
+    j.node = node;
+    j.has_worlds = world_of != NULL;
     if (node->skin != SIZE_MAX ||
         !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
         return NORMA_OK;
@@ -218,11 +224,7 @@ static int describe_skin_error(
 static norma_result judge_skin(
     check_run *run, const norma_check_scene *scene, const norma_skin_info *skin, size_t number) {
     char label[CHECK_MESSAGE], message[CHECK_MESSAGE], measured[CHECK_MESSAGE] = "";
-    node_judgement j = {.run = run};
-    memcpy(j.rules, run->rules, sizeof j.rules);
-    norma_check_silence(j.rules, skin->ignore);
-    j.place = (check_place){
-        .order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
+    const node_judgement j = begin_judgement(run, skin->where, label, skin->ignore);
     label_of("skin", number, skin->name, label);
     norma_check_message(message,
         "stretched at a joint: node %z stretches one direction by %g times another, at rest or in "

@@ -48,12 +48,6 @@ norma_result norma_check_nodes(
 /* Of a primitive's area: what is smaller is not seen. */
 #define SPECK 1e-4
 
-/* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
- */
-static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {
-    return m->given->material.normal_map ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
-}
-
 /* Cosine between a face and a stored normal; NaN if the normal is missing or has no direction. */
 static inline double norma_check_cosine_to(const check_mesh *m, size_t face, size_t number) {
     double n[3];
@@ -66,15 +60,10 @@ static inline double norma_check_cosine_to(const check_mesh *m, size_t face, siz
     return square > .99 && square < 1.01 ? dot : dot / sqrt(square);
 }
 
-/* edges.c: N306, of faces that have a twin wound the other way, one of each pair; edges are
- * paired. */
-norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size_t count);
-
 /* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
 norma_result norma_check_pairs(check_mesh *m);
 
-/* facing.c: N203 holds; N206 holds: N201, N202 and N501 are silent then. */
-norma_result norma_check_is_placeholder(check_mesh *m, int *is);
+/* facing.c: N206 holds: N201, N202 and N501 are silent then. */
 norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
 
 /* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that

@@ -5,6 +5,12 @@
 #include <math.h>
 #include <string.h>
 
+/* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
+ */
+static norma_severity tangent_severity(const check_mesh *m) {
+    return m->given->material.normal_map ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+}
+
 /* ---- N804: the sign of tangents against the winding of the UVs as they are stored, v
  * downwards: +1 if a triangle's signed area in UV is negative, -1 if it is positive. Public sample
  * files follow this, except some that are wrong throughout or in their mirrored islands. A vertex
@@ -102,7 +108,7 @@ static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t wit
             map, with, norma_check_plural(with), with == 1 ? "has" : "have", against);
     return norma_check_report(m,
         &(check_finding){.rule = RULE_N804,
-            .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
+            .severity = mixed ? tangent_severity(m) : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !mixed,
             .hits = &hits},
@@ -237,10 +243,8 @@ static norma_result add_tangent_findings(check_mesh *m, check_sum *sum) {
             *map ? " of the normal map" : "", map, sign->count, norma_check_plural(sign->count));
     if (!result && norma_check_wants(m, RULE_N803))
         result = norma_check_report(m,
-            &(check_finding){.rule = RULE_N803,
-                .severity = norma_check_tangent_severity(m),
-                .unit = "deg",
-                .hits = leaning},
+            &(check_finding){
+                .rule = RULE_N803, .severity = tangent_severity(m), .unit = "deg", .hits = leaning},
             "%s%s%s: %z tangent%s up to %g degrees off perpendicular to the normal",
             !m->given->material.normal_map ? "not seen, as no normal map uses them here"
             : *map                         ? "the normal map"
