@@ -63,7 +63,7 @@ norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joine
 norma_result norma_check_join_held(check_mesh *const *held, size_t count, check_joined *joined);
 void norma_check_unjoin(check_joined *joined);
 
-/* Which sides the faces of a group have: made when first asked for (rules/sides.c). */
+/* Which sides the faces of a group have: made when first asked for (check_mesh.c). */
 typedef struct check_judge {
     core_side_judge sides;
     int is_open;
@@ -300,6 +300,33 @@ void norma_check_sum_free(check_sum *sum);
 
 /* Of an ascending list the place of the last number that is no greater; 0: the first is. */
 size_t norma_check_last_at(const uint32_t *sorted, size_t count, size_t number);
+
+/* ---- which faces are turned (check_mesh.c) */
+
+/* Which faces are turned, as core_side_judge says; asked: a mark for each face that
+ * matters. sides: of each face of the mesh. */
+norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
+/* judge: all zero, or open; threads: 0: all. */
+norma_result norma_check_open_judge(
+    const core_mesh *meshes, size_t count, uint32_t threads, check_judge *judge);
+void norma_check_close_judge(check_judge *judge);
+/* Of an STL's facets whose sides neither volume nor rays decide: a normal within 25 degrees of its
+ * winding, or of its winding's opposite, that agrees with its neighbours' says which it is. */
+#define CHECK_LEAN_COSINE 0.9063077870366499
+norma_result norma_check_sides_by_facets(
+    const core_side_judge *judge, const norma_vec3_view *normals, uint8_t *sides);
+int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
+/* Whether the faces of two corners, which run along an edge in the same direction from there, lie
+ * folded over one another: their normals agree. */
+int norma_check_is_fold(const core_topology *topology, size_t first, size_t second);
+/* sides: of count faces from first on. What is wound against the rest of its part only where it
+ * lies folded over that is not shown to be turned, except by rays. */
+norma_result norma_check_sides_at_folds(
+    const core_side_judge *judge, size_t first, size_t count, uint8_t *sides);
+/* After that: how many faces are shown to be turned, of those and of all in components whose faces
+ * do not agree; and twice their area. */
+size_t norma_check_count_turned(
+    const check_mesh *m, const uint8_t *asked, const uint8_t *sides, double *twice_area);
 
 /* ---- places (findings.c) */
 

@@ -5,7 +5,6 @@
  * norma_document_try_fixes: the same trial, of each rule by itself, for the fixes that findings
  * offer. */
 #include "check/fix/fix.h"
-#include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
  * the wrong side, what is far from the surface, facets that differ from their winding, seams. New
  * ones come from the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
-#include "check/rules/rules.h"
 #include "core/face/unit_length.h"
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,6 @@
  * a change to the document, and may be applied to any copy of it. A trial applies plans to a copy,
  * step by step, and measures what became of it. */
 #include "check/fix/fix.h"
-#include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>

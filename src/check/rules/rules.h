@@ -17,7 +17,7 @@ norma_result norma_check_placeholder(check_mesh *m);       /* facing.c: N203 */
 norma_result norma_check_deviation(check_mesh *m);         /* facing.c: N204 */
 norma_result norma_check_frame(check_mesh *m);             /* facing.c: N206 */
 norma_result norma_check_smoothed(check_mesh *m);          /* facing.c: N207 */
-norma_result norma_check_facets(check_mesh *m);            /* sides.c: N205 */
+norma_result norma_check_facets(check_mesh *m);            /* stored_normals.c: N205 */
 norma_result norma_check_edges(check_mesh *m);             /* edges.c: N301, N303, N305, N306 */
 norma_result norma_check_open_edges(check_mesh *m);        /* edges.c: N307 */
 norma_result norma_check_solids(check_mesh *m);            /* solids.c: N302, N304 */
@@ -66,31 +66,6 @@ norma_result norma_check_pairs(check_mesh *m);
 /* facing.c: N206 holds: N201, N202 and N501 are silent then. */
 norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
 
-/* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that
- * matters. sides: of each face of the mesh. */
-norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
-/* judge: all zero, or open; threads: 0: all. */
-norma_result norma_check_open_judge(
-    const core_mesh *meshes, size_t count, uint32_t threads, check_judge *judge);
-void norma_check_close_judge(check_judge *judge);
-/* Of an STL's facets whose sides neither volume nor rays decide: a normal within 25 degrees of its
- * winding, or of its winding's opposite, that agrees with its neighbours' says which it is. */
-#define CHECK_LEAN_COSINE 0.9063077870366499
-norma_result norma_check_sides_by_facets(
-    const core_side_judge *judge, const norma_vec3_view *normals, uint8_t *sides);
-int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
-/* Whether the faces of two corners, which run along an edge in the same direction from there, lie
- * folded over one another: their normals agree. */
-int norma_check_is_fold(const core_topology *topology, size_t first, size_t second);
-/* sides: of count faces from first on. What is wound against the rest of its part only where it
- * lies folded over that is not shown to be turned, except by rays. */
-norma_result norma_check_sides_at_folds(
-    const core_side_judge *judge, size_t first, size_t count, uint8_t *sides);
-/* After that: how many faces are shown to be turned, of those and of all in components whose faces
- * do not agree; and twice their area. */
-size_t norma_check_count_turned(
-    const check_mesh *m, const uint8_t *asked, const uint8_t *sides, double *twice_area);
-
 /* edges.c, for solids.c. Of the primitive whose corners begin at first_corner of a topology that
  * holds all of them; edges: how many conflicts each of the topology's faces has, at most 255;
  * sides: of those faces. An edge between primitives belongs to the one whose face is turned, or has
@@ -119,10 +94,10 @@ typedef struct check_idle {
 norma_result norma_check_lengths_look(check_mesh *m, check_sum *sum);
 norma_result norma_check_lengths_add(check_mesh *m, check_sum *sum, const check_idle *idle);
 
-/* sides.c: N205. The sum's area is that of facets that are more than 10 degrees off. behind: NULL,
- * or a mark for each face whose normal is on its other side. The caller fills the counts TURNED
- * (facets whose winding is known to be wrong) and UNDECIDED (it may be). whole_area: twice that of
- * all faces. */
+/* stored_normals.c: N205. The sum's area is that of facets that are more than 10 degrees off.
+ * behind: NULL, or a mark for each face whose normal is on its other side. The caller fills the
+ * counts TURNED (facets whose winding is known to be wrong) and UNDECIDED (it may be). whole_area:
+ * twice that of all faces. */
 enum { CHECK_FACETS_ZERO, CHECK_FACETS_TURNED, CHECK_FACETS_UNDECIDED };
 norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind);
 norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_area);

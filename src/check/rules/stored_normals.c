@@ -1,5 +1,5 @@
-/* stored_normals.c: N101 to N106: lengths of stored normals, and whether there are as many as there
- * should be. */
+/* stored_normals.c: N101 to N106 and N205: lengths of stored normals, whether there are as many as
+ * there should be, and those of STL facets against their winding. */
 #include "check/rules/rules.h"
 #include "core/face/unit_length.h"
 #include <math.h>
@@ -262,4 +262,117 @@ norma_result norma_check_missing_normals(check_mesh *m) {
     norma_result result = lacks ? add_faces_without(m) : NORMA_OK; /* a 3MF has none */
     if (!result && norma_check_wants(m, RULE_N105)) result = add_unused(m);
     return !result && norma_check_wants(m, RULE_N106) ? add_mismatch(m) : result;
+}
+
+/* ---- N205: the normals of STL facets against their winding. */
+
+enum { FACETS_IN_BLOCK = 1 << 14 };
+static const double NEAR_COSINE = 0.9961946980917455; /* of 5 degrees */
+static const double CLEAR_COSINE =
+    0.984807753012208;                  /* of 10 degrees: what leans less, or is zero, informs */
+static const double LEAST_SHARE = .001; /* of the area: below it, the rule informs */
+
+typedef struct facet_pass {
+    const check_mesh *m;
+    uint8_t *behind; /* of each face: 1: its normal is on the other side; 2: nearly the opposite of
+                        its winding; or NULL */
+} facet_pass;
+
+/* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
+ */
+static void judge_facet(const facet_pass *pass, check_sum *part, size_t facet) {
+    const check_mesh *m = pass->m;
+    double n[3], length;
+    norma_check_normal(m, facet, n);
+    const core_length is = norma_core_judge_length(n, 0, &length);
+    const double cosine = norma_check_dot(m->faces[facet].normal, n) / length;
+    if (is == CORE_LENGTH_NON_FINITE || !norma_check_directed(&m->faces[facet]) ||
+        norma_check_is_sliver(&m->faces[facet]))
+        return;
+    if (is != CORE_LENGTH_ZERO && cosine < CLEAR_COSINE)
+        part->twice_area += norma_check_twice_area(m, facet);
+    if (is == CORE_LENGTH_ZERO) {
+        ++part->counts[CHECK_FACETS_ZERO];
+        norma_check_hit(m->run, &part->hits[0], NAN, norma_check_face(facet));
+    } else if (cosine < NEAR_COSINE) {
+        if (pass->behind)
+            pass->behind[facet] = (uint8_t)((cosine < 0) + (cosine <= -CHECK_LEAN_COSINE));
+        norma_check_hit(m->run, &part->hits[0],
+            norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
+            norma_check_face(facet));
+    }
+}
+
+static void judge_facets(const void *pass, check_sum *part, size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) judge_facet(pass, part, f);
+}
+
+/* Those that no fix of normals is for: wound wrongly while their normals are right, or perhaps. */
+static norma_result count_turned(check_mesh *m, const uint8_t *behind, check_sum *sum) {
+    const size_t faces = m->mesh.face_count;
+    if (!memchr(behind, 1, faces) && !memchr(behind, 2, faces)) return NORMA_OK;
+    uint8_t *sides = norma_core_allocate(&m->run->call, faces, 1);
+    const norma_result result = sides ? norma_check_sides(m, behind, sides) : NORMA_ERROR_MEMORY;
+    for (size_t f = 0; !result && f < faces; ++f) {
+        sum->counts[CHECK_FACETS_TURNED] += behind[f] && norma_check_is_turned(sides[f]);
+        sum->counts[CHECK_FACETS_UNDECIDED] += behind[f] > 1 && sides[f] & CORE_SIDE_UNDECIDED;
+    }
+    norma_core_release(&m->run->call, sides, faces, 1);
+    return result;
+}
+
+norma_result norma_check_facets_add(check_mesh *m, check_sum *sum, double whole_area) {
+    check_hits *hits = &sum->hits[0];
+    const size_t zeros = sum->counts[CHECK_FACETS_ZERO], turned = sum->counts[CHECK_FACETS_TURNED],
+                 undecided = sum->counts[CHECK_FACETS_UNDECIDED];
+    const int matters = sum->twice_area > 0 && sum->twice_area >= LEAST_SHARE * whole_area;
+    return norma_check_report(m,
+        &(check_finding){.rule = RULE_N205,
+            .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .no_value = zeros == hits->count,
+            .no_fix = turned + undecided == hits->count,
+            .hits = hits},
+        zeros == hits->count ? "shaded by the winding alone: %z of %z facets have a zero normal"
+        : zeros ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+                  "winding, by up to %g degrees; %z of them are zero"
+        : turned == hits->count
+            ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; there the winding is wrong and the normals are right "
+              "(N301, N302)"
+        : turned + undecided == hits->count
+            ? "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; neither volume nor rays nor neighbours show for %z of "
+              "them which is wrong"
+            : "shaded differently by each reader: %z of %z facet normals disagree with the "
+              "winding, by up to %g degrees; some use the normal, others the winding",
+        hits->count, m->mesh.face_count, hits->worst, zeros ? zeros : undecided);
+}
+
+norma_result norma_check_facets_look(check_mesh *m, check_sum *sum, uint8_t *behind) {
+    const size_t normals = norma_check_normal_count(m), faces = m->mesh.face_count,
+                 count = normals < faces ? normals : faces;
+    const facet_pass pass = {m, behind};
+    const norma_result result = count ? norma_check_faces(m) : NORMA_OK;
+    return result ? result
+                  : norma_check_gather(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass, sum);
+}
+
+norma_result norma_check_facets(check_mesh *m) {
+    const core_call *call = &m->run->call;
+    const size_t faces = m->mesh.face_count;
+    check_sum sum = {.twice_area = 0};
+    if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !faces ||
+        !norma_check_wants(m, RULE_N205))
+        return NORMA_OK;
+    uint8_t *behind = norma_core_allocate(call, faces, 1);
+    if (!behind) return NORMA_ERROR_MEMORY;
+    memset(behind, 0, faces);
+    norma_result result = norma_check_facets_look(m, &sum, behind);
+    if (!result) result = count_turned(m, behind, &sum);
+    norma_core_release(call, behind, faces, 1);
+    if (!result && sum.hits[0].count)
+        result = norma_check_facets_add(m, &sum, norma_check_add_areas(m, 0));
+    norma_check_sum_free(&sum);
+    return result;
 }
