@@ -61,7 +61,7 @@ static norma_document_result tmf_read(norma_document *document, norma_document_e
 }
 
 static const edited_format TMF_EDITED = {
-    sizeof(tmf_state), 0, tmf_has_edit, tmf_free_content, tmf_read};
+    sizeof(tmf_state), 0, tmf_has_edit, tmf_free_content, tmf_read, NULL, NULL};
 
 /* ---- describing */
 
@@ -222,15 +222,6 @@ static norma_document_result tmf_edit(
     return result;
 }
 
-static norma_document_result tmf_write(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error) {
-    (void)path;
-    if (document->source.size == 0 || !write(user, document->source.data, document->source.size))
-        return NORMA_DOCUMENT_OK;
-    return norma_document_fail(
-        document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
-}
-
 static const scene_functions TMF_SCENE = {
     .instance_world = tmf_instance_world, .unread = tmf_unread};
 
@@ -247,6 +238,6 @@ const format_functions norma_3mf_functions = {
     .transform = tmf_transform,
     .edit = tmf_edit,
     .recentre = tmf_recentre,
-    .write = tmf_write,
+    .write = norma_edited_write,
     .scene = &TMF_SCENE,
 };

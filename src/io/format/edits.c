@@ -10,11 +10,17 @@
 /* ---- Files whose changes wait beside the bytes that were read: opened, written,
  * compared, and turned into bytes of the document's own. */
 
-norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body *body,
+norma_document_result norma_edited_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error) {
+    const edited_format *format = document->functions->edited;
+    norma_document_result result = NORMA_DOCUMENT_OK;
     norma_sink *sink = norma_sink_create(write, user);
+    (void)path;
     if (!sink) return norma_document_fail_memory(document, error);
-    norma_document_result result = body(document, sink, error);
+    if (format->has_edit(document->state))
+        result = format->write_changed(document, sink, error);
+    else
+        norma_sink_put(sink, document->source.data, document->source.size);
     int failed = norma_sink_finish(sink);
     if (!result && failed)
         return norma_document_fail(
@@ -22,12 +28,13 @@ norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body
     return result;
 }
 
-norma_document_result norma_rewrite_compare(norma_document *document, const unsigned char *bytes,
-    size_t size, int *changed, norma_document_error *error) {
-    norma_compare_sink same = {bytes, size};
+norma_document_result norma_edited_drop_idle(
+    norma_document *document, int *changed, norma_document_error *error) {
+    norma_compare_sink same = {document->source.data, document->source.size};
     norma_document_result result =
         document->functions->write(document, NULL, norma_compare_sink_write, &same, NULL);
     *changed = result == NORMA_DOCUMENT_ERROR_FILE || same.left > 0;
+    if (!*changed) document->functions->edited->forget_edit(document->state);
     return result == NORMA_DOCUMENT_ERROR_MEMORY ? norma_document_fail_memory(document, error)
                                                  : NORMA_DOCUMENT_OK;
 }

@@ -329,7 +329,7 @@ typedef struct scene_functions {
         const float **texcoords, size_t *count, norma_document_error *error);
 } scene_functions;
 
-extern const scene_functions norma_obj_scene, norma_ply_scene, norma_stl_scene, norma_gltf_scene;
+extern const scene_functions norma_gltf_scene;
 
 /* Zeroed memory that lives as long as the document; NULL: none is left. */
 void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size);
@@ -360,15 +360,6 @@ size_t norma_edit_kept(const norma_mesh_edit *edit);
 /* ---- What the formats share whose changes wait beside the bytes that were read: written
  * through a sink, compared with what was there, made the document's own bytes. */
 
-/* A format's file as it is now, changes included. */
-typedef norma_document_result norma_rewrite_body(
-    norma_document *document, norma_sink *sink, norma_document_error *error);
-norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body *body,
-    norma_write *write, void *user, norma_document_error *error);
-/* Whether the file would be another than the size bytes it was. */
-norma_document_result norma_rewrite_compare(norma_document *document, const unsigned char *bytes,
-    size_t size, int *changed, norma_document_error *error);
-
 /* A format whose changes wait beside the bytes of the document: how its state is made, read and let
  * go. */
 struct edited_format {
@@ -378,10 +369,21 @@ struct edited_format {
     void (*free_content)(void *state);
     /* From document->source, into a state of zeros. */
     norma_document_result (*read)(norma_document *document, norma_document_error *error);
+    /* For norma_edited_write and norma_edited_drop_idle: the file with its changes; and these let
+     * go. NULL where neither is called with a change. */
+    norma_document_result (*write_changed)(
+        norma_document *document, norma_sink *sink, norma_document_error *error);
+    void (*forget_edit)(void *state);
 };
 norma_document_result norma_edited_open(norma_document *document, norma_document_error *error);
 void norma_edited_close(norma_document *document);
 size_t norma_edited_mesh_count(const norma_document *document); /* 1 */
+norma_document_result norma_edited_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error);
+/* Forgets changes that would write the bytes that are there already; *changed: whether any are
+ * left. */
+norma_document_result norma_edited_drop_idle(
+    norma_document *document, int *changed, norma_document_error *error);
 /* The changes become the document's bytes, which are read again. Does nothing without changes. */
 norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error);
 /* Before a change; and a change that failed for this reason is taken back, by reading the

@@ -1,5 +1,6 @@
 /* large.c: the public calls for files larger than memory, and files read part by part. */
 #include "io/large/large.h"
+#include "core/call/call.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -62,14 +63,8 @@ static norma_vec3_view view_of(const large_ply *ply, const void *positions, size
 static norma_document_result read_normals(
     large_ply *ply, size_t first, size_t count, float *normals) {
     const ply_header *header = &ply->state->header;
-    norma_document_result result;
-    double *stored = NULL;
-    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
-    if (!rows) return result;
-    const large_view before = norma_large_ply_look(ply, rows, count);
-    result = norma_ply_read_columns(
-        ply->file->document, ply->vertex, header->normal, &stored, ply->file->error);
-    norma_large_ply_look_away(ply, &before);
+    double *stored;
+    const norma_document_result result = norma_large_ply_stored(ply, first, count, &stored);
     const double scale = norma_ply_normal_scale(header, ply->vertex, header->normal);
     for (size_t i = 0; !result && i < 3 * count; ++i)
         normals[i] = norma_ply_normal_value(stored[i], scale);
@@ -86,7 +81,7 @@ static norma_document_result walk_ply_vertices(
     norma_document_result result =
         has_normals && !normals ? norma_large_fail_memory(ply->file) : NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
+        const size_t count = norma_large_some(ply->vertices - first, LARGE_BLOCK);
         large_vertices part = {.first = first, .positions = view_of(ply, ply->scratch, count)};
         result = norma_large_ply_positions(ply, first, count, ply->scratch);
         if (!result && normals) result = read_normals(ply, first, count, normals);
@@ -102,15 +97,10 @@ static norma_document_result walk_ply_vertices(
 
 /* ---- faces */
 
-static size_t walk_chunk_faces(const walk_ply *w, size_t chunk) {
-    const uint64_t left = w->ply.faces - (uint64_t)chunk * LARGE_CHUNK;
-    return left < LARGE_CHUNK ? (size_t)left : LARGE_CHUNK;
-}
-
 static norma_document_result read_chunk(walk_ply *w, size_t chunk) {
     uint64_t offset = w->offsets[chunk];
     const norma_document_result result = norma_large_ply_chunk(
-        &w->ply, (uint64_t)chunk * LARGE_CHUNK, walk_chunk_faces(w, chunk), &offset);
+        &w->ply, (uint64_t)chunk * LARGE_CHUNK, norma_large_chunk_faces(&w->ply, chunk), &offset);
     if (!result) w->offsets[chunk + 1] = offset;
     return result;
 }
@@ -162,8 +152,7 @@ static norma_document_result walk_take_faces(walk_ply *w, size_t *chunk) {
     w->least = UINT32_MAX;
     w->most = 0;
     while (*chunk < w->chunk_count && !result) {
-        const size_t left = w->chunk_count - *chunk,
-                     count = left < CHUNKS_IN_BLOCK ? left : CHUNKS_IN_BLOCK,
+        const size_t count = norma_large_some(w->chunk_count - *chunk, CHUNKS_IN_BLOCK),
                      a_block = w->face_count ? w->corner_count / (w->face_count / LARGE_CHUNK) *
                                                    CHUNKS_IN_BLOCK * 5 / 4
                                              : 0;
@@ -191,23 +180,6 @@ static void walk_number_vertices(walk_ply *w) {
         if (norma_large_bits_has(&w->named, v)) w->vertices[at++] = (uint32_t)(least + v);
 }
 
-static norma_document_result walk_gather_positions(walk_ply *w) {
-    large_ply *ply = &w->ply;
-    const size_t size = norma_large_position_size(ply), end = w->corner_count ? w->most + 1U : 0;
-    unsigned char *out = w->positions;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t first = w->least, at = 0; first < end && !result; first += LARGE_BLOCK) {
-        const size_t count = end - first < LARGE_BLOCK ? end - first : LARGE_BLOCK;
-        if (at == w->vertex_count || w->vertices[at] >= first + count) continue;
-        result = norma_large_ply_positions(ply, first, count, ply->scratch);
-        for (; !result && at < w->vertex_count && w->vertices[at] < first + count;
-             ++at, out += size)
-            memcpy(
-                out, (const unsigned char *)ply->scratch + (w->vertices[at] - first) * size, size);
-    }
-    return result;
-}
-
 static large_surface surface_of(const walk_ply *w) {
     return (large_surface){.first_face = w->first_face,
         .mesh = {.positions = view_of(&w->ply, w->positions, w->vertex_count),
@@ -226,7 +198,8 @@ static norma_document_result walk_ply_surface(
         result = walk_take_faces(w, &chunk);
         if (result) break;
         walk_number_vertices(w);
-        result = walk_gather_positions(w);
+        result = norma_large_gather_positions(
+            &w->ply, &w->named, w->least, w->corner_count ? w->most + 1U : 0, w->positions);
         const large_surface part = surface_of(w);
         if (!result) result = visit(context, &part);
         if (!result) result = norma_large_tell(w->ply.file, (double)chunk / (double)w->chunk_count);
@@ -257,47 +230,6 @@ static norma_document_result walk_ply_locate(
         result = locate_vertex(w, faces->corners[c], corner);
         for (size_t k = 0; k < 3; ++k) position[k] += corner[k] / (double)(end - begin);
     }
-    return result;
-}
-
-/* ---- What is in a binary PLY, counted piece by piece. */
-
-static norma_document_result include_vertices(
-    large_ply *ply, norma_large_description *description) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
-        result = norma_large_ply_positions(ply, first, count, ply->scratch);
-        for (size_t i = 0; i < count && !result; ++i) {
-            double at[3];
-            norma_large_scratch_position(ply, i, at);
-            norma_large_include(description, at);
-        }
-        if (!result) result = norma_large_tell(ply->file, (double)first / (double)ply->vertices);
-    }
-    return result;
-}
-
-static norma_document_result large_describe_ply(
-    large_file *file, norma_large_description *description) {
-    large_ply ply;
-    large_survey survey = {0};
-    norma_document_result result = norma_large_ply_open(file, &ply);
-    norma_large_stage(file, 0, 0.7);
-    if (!result) result = norma_large_survey(&ply, &survey);
-    norma_large_stage(file, 0.7, 1);
-    if (!result) result = include_vertices(&ply, description);
-    if (!result) {
-        norma_mesh_info info = {.encoding = ""};
-        file->document->functions->mesh_info(file->document, 0, &info);
-        description->vertices = ply.vertices;
-        description->faces = (size_t)ply.faces;
-        description->triangles = (size_t)survey.triangles;
-        description->normals = info.normals;
-        description->encoding = info.encoding;
-    }
-    norma_large_survey_close(&ply, &survey);
-    norma_large_ply_close(&ply);
     return result;
 }
 
@@ -365,31 +297,6 @@ norma_document_result norma_large_compute(const char *input, const char *output,
     return result;
 }
 
-norma_document_result norma_large_describe(const char *path, const norma_large_options *given,
-    norma_progress *progress, void *progress_user, norma_large_description *description,
-    norma_document_error *error) {
-    const norma_large_options options = large_options_of(given);
-    large_file file;
-    norma_document_clear(error);
-    if (!path || !description) return walk_fail_argument(error, "no path or no place was given");
-    *description =
-        (norma_large_description){.format = walk_format_of(path, options.format), .encoding = ""};
-    if (description->format != NORMA_FILE_PLY && description->format != NORMA_FILE_STL)
-        return large_fail_format(path, error);
-    norma_document_result result =
-        norma_large_open(path, &options, description->format, &file, error);
-    file.progress = progress;
-    file.progress_user = progress_user;
-    if (!result)
-        result = description->format == NORMA_FILE_STL
-                     ? norma_large_describe_stl(&file, description)
-                     : large_describe_ply(&file, description);
-    if (!result && norma_window_has_changed(file.window))
-        result = norma_large_fail_read(&file, FILE_CHANGED);
-    norma_large_close(&file);
-    return result;
-}
-
 /* ---- what a whole file takes */
 
 /* The file, corners, the core's sums and map, normals and reasons; and what is decoded. */
@@ -441,8 +348,7 @@ struct large_walk {
 /* ---- opening */
 
 norma_file_format norma_large_format(const char *path, const norma_large_options *options) {
-    const norma_large_options whole = large_options_of(options);
-    return whole.format ? whole.format : norma_file_format_of_path(path);
+    return walk_format_of(path, large_options_of(options).format);
 }
 
 static norma_document_result open_walk(
@@ -478,13 +384,18 @@ norma_document_result norma_large_walk_open(const char *path, const norma_large_
     return result;
 }
 
-norma_document_result norma_large_walk_close(large_walk *w, norma_document_result result) {
-    if (!w) return result;
+static norma_document_result close_walk(large_walk *w, norma_document_result result) {
     if (!result && norma_window_has_changed(w->file.window))
         result = norma_large_fail_read(&w->file, FILE_CHANGED);
     walk_ply_close(&w->ply);
     norma_large_stl_close(&w->stl);
     norma_large_close(&w->file);
+    return result;
+}
+
+norma_document_result norma_large_walk_close(large_walk *w, norma_document_result result) {
+    if (!w) return result;
+    result = close_walk(w, result);
     free(w);
     return result;
 }
@@ -526,8 +437,7 @@ static norma_document_result visit_facets(
 static norma_document_result walk_stl(large_walk *w, const stl_visits *visits) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < w->stl.facets && !result; first += LARGE_FACETS) {
-        const size_t left = w->stl.facets - first,
-                     count = left < LARGE_FACETS ? left : LARGE_FACETS;
+        const size_t count = norma_large_some(w->stl.facets - first, LARGE_FACETS);
         result = read_facets(w, first, count);
         if (!result) result = visit_facets(w, visits, first, count);
         if (!result) result = norma_large_tell(&w->file, (double)first / (double)w->stl.facets);
@@ -552,6 +462,67 @@ norma_document_result norma_large_walk_surface(
     return w->format == NORMA_FILE_STL ? walk_stl(w, &visits)
                                        : walk_ply_surface(&w->ply, visit, context);
 }
+
+/* ---- what is in a file, counted part by part */
+
+static norma_document_result include_vertices(void *context, const large_vertices *part) {
+    norma_large_description *description = context;
+    for (size_t i = 0; i < part->positions.count; ++i) {
+        double at[3];
+        norma_view_read(&part->positions, i, at);
+        if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            double *least = &description->least[axis], *most = &description->most[axis];
+            if (!description->has_bounds || at[axis] < *least) *least = at[axis];
+            if (!description->has_bounds || at[axis] > *most) *most = at[axis];
+        }
+        description->has_bounds = 1;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Triangles of a PLY: if each face is cut. */
+static norma_document_result describe_walk(large_walk *w, norma_large_description *description) {
+    const int is_ply = w->format == NORMA_FILE_PLY;
+    large_survey survey = {0};
+    norma_mesh_info info;
+    norma_document_result result = is_ply ? norma_large_ply_open(&w->file, &w->ply.ply)
+                                          : norma_large_stl_open(&w->file, &w->stl);
+    norma_large_stage(&w->file, 0, 0.7);
+    if (!result && is_ply) result = norma_large_survey(&w->ply.ply, &survey);
+    if (!result)
+        result = norma_large_walk_vertices(w, is_ply ? 0.7 : 0, 1, include_vertices, description);
+    if (!result) {
+        walk_describe(w, &info);
+        description->vertices = info.vertices;
+        description->faces = info.faces;
+        description->triangles = is_ply ? (size_t)survey.triangles : info.triangles;
+        description->normals = info.normals;
+        description->encoding = info.encoding;
+    }
+    if (is_ply) norma_large_survey_close(&w->ply.ply, &survey);
+    return result;
+}
+
+norma_document_result norma_large_describe(const char *path, const norma_large_options *given,
+    norma_progress *progress, void *progress_user, norma_large_description *description,
+    norma_document_error *error) {
+    const norma_large_options options = large_options_of(given);
+    large_walk w = {.format = NORMA_FILE_UNKNOWN};
+    norma_document_clear(error);
+    if (!path || !description) return walk_fail_argument(error, "no path or no place was given");
+    w.format = walk_format_of(path, options.format);
+    *description = (norma_large_description){.format = w.format, .encoding = ""};
+    if (w.format != NORMA_FILE_PLY && w.format != NORMA_FILE_STL)
+        return large_fail_format(path, error);
+    norma_document_result result = norma_large_open(path, &options, w.format, &w.file, error);
+    w.file.progress = progress;
+    w.file.progress_user = progress_user;
+    if (!result) result = describe_walk(&w, description);
+    return close_walk(&w, result);
+}
+
+/* ---- places */
 
 static norma_document_result locate_facet(
     large_walk *w, size_t vertex, size_t face, double position[3]) {

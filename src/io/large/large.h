@@ -60,11 +60,17 @@ norma_document_result norma_large_open_source(
 void norma_large_close(large_file *file);
 
 norma_document_result norma_large_fail_memory(large_file *file);
+/* What makes it be read whole, which its source does not. */
+norma_document_result norma_large_fail_whole(const large_file *file, const char *what);
 /* What the system said when the input was read. */
 norma_document_result norma_large_fail_read(large_file *file, int system_error);
 /* The step under way, from 0 to 1. CANCELLED with its message, or OK. */
 norma_document_result norma_large_tell(large_file *file, double fraction);
 void norma_large_stage(large_file *file, double from, double to);
+/* How many of those that are left are taken at once. */
+static inline size_t norma_large_some(uint64_t left, size_t most) {
+    return left < most ? (size_t)left : most;
+}
 norma_document_result norma_large_read(large_file *file, uint64_t offset, void *bytes, size_t size);
 
 /* ---- rows of a file, one after another */
@@ -121,8 +127,6 @@ static inline int norma_large_bits_any(const large_bits *bits, size_t begin, siz
 void norma_large_count_reason(norma_report *report, uint8_t reason, size_t element);
 /* first: added to the number of the first one counted. */
 void norma_large_add_count(norma_count *sum, const norma_count *count, size_t first);
-/* A position, in the bounds. */
-void norma_large_include(norma_large_description *description, const double at[3]);
 
 /* ---- What a large file becomes, on its way to its place. */
 
@@ -185,20 +189,13 @@ typedef struct large_ply {
 norma_document_result norma_large_ply_open(large_file *file, large_ply *ply);
 void norma_large_ply_close(large_ply *ply);
 
-/* Rows from first on, at most LARGE_BLOCK. NULL: file->error says why. */
-const unsigned char *norma_large_ply_rows(
-    large_ply *ply, size_t first, size_t count, norma_document_result *result);
-/* The state, as long as a block is looked at, seen as a file of these rows alone. */
-typedef struct large_view {
-    const unsigned char *bytes;
-    size_t begin, vertices;
-    uint64_t count;
-} large_view;
-large_view norma_large_ply_look(large_ply *ply, const unsigned char *rows, size_t count);
-void norma_large_ply_look_away(large_ply *ply, const large_view *before);
-/* Positions of a block as they are given to the core: three floats or three doubles each. */
+/* Positions of a block, at most LARGE_BLOCK, as they are given to the core: three floats or three
+ * doubles each. */
 norma_document_result norma_large_ply_positions(
     large_ply *ply, size_t first, size_t count, void *positions);
+/* The same of those vertices from base to before end that are members, counted from base. */
+norma_document_result norma_large_gather_positions(
+    large_ply *ply, const large_bits *members, size_t base, size_t end, void *positions);
 static inline size_t norma_large_position_size(const large_ply *ply) {
     return 3 * (ply->single ? sizeof(float) : sizeof(double));
 }
@@ -217,13 +214,12 @@ typedef struct large_row {
 /* Writes the header of the output, whose only change is its normals, and chooses their types. */
 norma_document_result norma_large_ply_write_header(
     large_ply *ply, norma_write *write, void *user, large_row *row);
-/* The stored normals of a block that is then looked at, to be freed; NULL: there are none. Not
- * looked at after a failure. */
+/* The stored normals of a block, to be freed; NULL: there are none. */
 norma_document_result norma_large_ply_stored(
-    large_ply *ply, size_t first, size_t count, double **stored, large_view *view);
-/* The rows of that block with these normals, once they are encoded; looks away. */
+    large_ply *ply, size_t first, size_t count, double **stored);
+/* The rows of a block with these normals, once they are encoded. */
 norma_document_result norma_large_ply_write_rows(
-    large_ply *ply, const large_view *view, float *normals, norma_write *write, void *user);
+    large_ply *ply, size_t first, size_t count, float *normals, norma_write *write, void *user);
 
 /* The commonest faces: one list, of three, and perhaps numbers beside it. The bytes of such a row;
  * 0: rows are others. And whether so many rows at offset are such, if all before were. */
@@ -260,8 +256,7 @@ typedef struct large_survey {
 norma_document_result norma_large_survey(large_ply *ply, large_survey *survey);
 void norma_large_survey_close(large_ply *ply, large_survey *survey);
 static inline size_t norma_large_chunk_faces(const large_ply *ply, size_t chunk) {
-    const uint64_t left = ply->faces - (uint64_t)chunk * LARGE_CHUNK;
-    return left < LARGE_CHUNK ? (size_t)left : LARGE_CHUNK;
+    return norma_large_some(ply->faces - (uint64_t)chunk * LARGE_CHUNK, LARGE_CHUNK);
 }
 
 /* ---- Vertices that may share their position with another one. */
@@ -425,6 +420,4 @@ typedef struct large_compute {
 
 norma_document_result norma_large_compute_ply(large_compute *job);
 norma_document_result norma_large_compute_stl(large_compute *job);
-norma_document_result norma_large_describe_stl(
-    large_file *file, norma_large_description *description);
 #endif

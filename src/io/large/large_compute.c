@@ -16,10 +16,7 @@ norma_document_result norma_large_stl_open(large_file *file, large_stl *stl) {
     state->size = (size_t)file->size;
     state->binary = 1;
     if (file->size >= STL_HEADER && !norma_stl_is_binary(state))
-        return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-            NULL,
-            "does not fit into the memory allowed, and an ASCII STL is read whole; allow more "
-            "memory");
+        return norma_large_fail_whole(file, "an ASCII STL is read whole");
     const norma_document_result result = norma_stl_read_binary(file->document, file->error);
     stl->facets = state->facets;
     state->bytes = stl->block->bytes;
@@ -63,8 +60,8 @@ static norma_document_result read_run(
     const large_sites *sites, size_t first, size_t count, unsigned char *out, size_t size) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t done = 0; done < count && !result; done += BLOCK)
-        result = sites->positions(sites->context, first + done,
-            count - done < BLOCK ? count - done : BLOCK, out + done * size);
+        result = sites->positions(
+            sites->context, first + done, norma_large_some(count - done, BLOCK), out + done * size);
     return result;
 }
 
@@ -134,8 +131,7 @@ static norma_document_result search_all(query_batch *batch) {
     const large_sites *sites = batch->sites;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < sites->count && !result; first += batch->site_capacity) {
-        const size_t left = sites->count - first,
-                     count = left < batch->site_capacity ? left : batch->site_capacity;
+        const size_t count = norma_large_some(sites->count - first, batch->site_capacity);
         result = read_run(sites, first, count, batch->positions, batch->element_size);
         const norma_result failed = result ? NORMA_OK : search_block(batch, first, count);
         if (failed == NORMA_ERROR_MEMORY) result = norma_large_fail_memory(sites->file);
@@ -157,10 +153,10 @@ static norma_document_result open_batch(const large_sites *sites, query_batch *b
     const uint64_t left = budget->most - budget->used;
     *batch = (query_batch){
         .sites = sites, .element_size = 3 * (sites->single ? sizeof(float) : sizeof(double))};
-    batch->capacity = capped(left / 4 / BYTES_FOR_QUERY, 64, MOST_SITES);
-    if (batch->capacity > sites->count) batch->capacity = sites->count;
-    batch->site_capacity = capped(left / 2 / BYTES_FOR_SITE, BLOCK, MOST_SITES);
-    if (batch->site_capacity > sites->count) batch->site_capacity = sites->count;
+    batch->capacity =
+        norma_large_some(capped(left / 4 / BYTES_FOR_QUERY, 64, MOST_SITES), sites->count);
+    batch->site_capacity =
+        norma_large_some(capped(left / 2 / BYTES_FOR_SITE, BLOCK, MOST_SITES), sites->count);
     batch->elements = norma_large_take(budget, batch->capacity, sizeof *batch->elements);
     batch->sources = norma_large_take(budget, batch->capacity, sizeof *batch->sources);
     batch->distances = norma_large_take(budget, batch->capacity, sizeof *batch->distances);
@@ -283,8 +279,8 @@ static norma_document_result passes_compute_block(stl_passes *p, size_t first, s
 static norma_document_result compute_blocks(stl_passes *p) {
     norma_document_result result = norma_large_output_copy(&p->output, 0, STL_HEADER);
     for (size_t first = 0; first < p->stl.facets && !result; first += LARGE_FACETS) {
-        const size_t left = p->stl.facets - first;
-        result = passes_compute_block(p, first, left < LARGE_FACETS ? left : LARGE_FACETS);
+        result =
+            passes_compute_block(p, first, norma_large_some(p->stl.facets - first, LARGE_FACETS));
         if (!result) result = norma_large_tell(p->file, (double)first / (double)p->stl.facets);
     }
     return result;
@@ -333,24 +329,13 @@ static norma_document_result fill_nearest_facets(stl_passes *p) {
     return p->without_count ? large_visit_nearest(&sites, fill_facet, p) : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result check_facet_options(const large_compute *job) {
-    if (job->policy.summary->shading != NORMA_SHADING_FLAT)
-        return norma_document_fail(job->file->document, job->file->error,
-            NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "STL holds one normal for each facet: smooth shading and creases cannot be stored; use "
-            "neither, or another format");
-    return job->policy.options->weld == NORMA_WELD_DISTANCE
-               ? norma_document_fail(job->file->document, job->file->error,
-                     NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-                     "does not fit into the memory allowed, and welding by a distance needs the "
-                     "whole file; allow more memory")
-               : NORMA_DOCUMENT_OK;
-}
-
 norma_document_result norma_large_compute_stl(large_compute *job) {
     stl_passes p = {.job = job, .file = job->file};
     norma_compute_summary *summary = job->policy.summary;
-    norma_document_result result = check_facet_options(job);
+    norma_document_result result =
+        norma_stl_check_shading(job->file->document, job->policy.options, job->file->error);
+    if (!result && job->policy.options->weld == NORMA_WELD_DISTANCE)
+        result = norma_large_fail_whole(job->file, "welding by a distance needs the whole file");
     if (!result) result = norma_large_stl_open(job->file, &p.stl);
     if (!result) result = norma_large_output_open(job->file, job->output, job->options, &p.output);
     summary->faces = p.stl.facets;
@@ -367,32 +352,6 @@ norma_document_result norma_large_compute_stl(large_compute *job) {
     result = norma_large_output_close(&p.output, result, job->options->size);
     norma_large_bits_close(&job->file->budget, &p.without);
     norma_large_stl_close(&p.stl);
-    return result;
-}
-
-/* ---- describing */
-
-norma_document_result norma_large_describe_stl(
-    large_file *file, norma_large_description *description) {
-    large_stl stl;
-    norma_document_result result = norma_large_stl_open(file, &stl);
-    for (size_t first = 0; first < stl.facets && !result; first += LARGE_FACETS) {
-        const size_t left = stl.facets - first, count = left < LARGE_FACETS ? left : LARGE_FACETS;
-        result = norma_large_stl_read(&stl, first, count);
-        if (result) break;
-        norma_large_stl_positions(&stl, count);
-        for (size_t i = 0; i < 3 * count; ++i) {
-            const double at[3] = {(double)stl.block->positions[3 * i],
-                (double)stl.block->positions[3 * i + 1], (double)stl.block->positions[3 * i + 2]};
-            norma_large_include(description, at);
-        }
-        result = norma_large_tell(file, (double)first / (double)stl.facets);
-    }
-    description->vertices = 3 * stl.facets;
-    description->faces = description->triangles = stl.facets;
-    description->normals = NORMA_NORMALS_PER_FACET;
-    description->encoding = "float";
-    norma_large_stl_close(&stl);
     return result;
 }
 
@@ -417,38 +376,24 @@ typedef struct ply_passes {
 
 /* ---- what is asked */
 
-static norma_document_result passes_refuse(const large_file *file, const char *what) {
-    return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "does not fit into the memory allowed, and %s the whole file; allow more memory", what);
-}
-
 static norma_document_result check_options(const large_compute *job) {
     const norma_compute_options *options = job->policy.options;
     if (job->policy.summary->shading != NORMA_SHADING_SMOOTH)
-        return passes_refuse(job->file, "flat normals and creases need");
+        return norma_large_fail_whole(job->file, "flat normals and creases need the whole file");
     if (options->weld == NORMA_WELD_DISTANCE && options->weld_distance > 0)
-        return passes_refuse(job->file, "welding by a distance needs");
+        return norma_large_fail_whole(job->file, "welding by a distance needs the whole file");
     return NORMA_DOCUMENT_OK;
 }
 
-static const ply_element *passes_vertex_of(const ply_passes *p) { return p->ply.vertex; }
-
-static size_t passes_block_size(const ply_passes *p, size_t first, size_t end) {
-    (void)p;
-    return end - first < LARGE_BLOCK ? end - first : LARGE_BLOCK;
-}
-
 static norma_document_result passes_find_broken(ply_passes *p, int *any) {
-    const double scale = norma_ply_normal_scale(
-        &p->ply.state->header, passes_vertex_of(p), p->ply.state->header.normal);
+    const double scale =
+        norma_ply_normal_scale(&p->ply.state->header, p->ply.vertex, p->ply.state->header.normal);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < p->ply.vertices && !result && !*any; first += LARGE_BLOCK) {
-        const size_t count = passes_block_size(p, first, p->ply.vertices);
+        const size_t count = norma_large_some(p->ply.vertices - first, LARGE_BLOCK);
         double *stored;
-        large_view view;
-        result = norma_large_ply_stored(&p->ply, first, count, &stored, &view);
+        result = norma_large_ply_stored(&p->ply, first, count, &stored);
         if (result) return result;
-        norma_large_ply_look_away(&p->ply, &view);
         for (size_t i = 0; i < count; ++i) *any |= norma_ply_is_broken(stored + 3 * i, scale);
         free(stored);
     }
@@ -472,8 +417,7 @@ static norma_document_result passes_write_block(
     large_file *file = p->file;
     ply_edit *edit = &p->ply.state->edit;
     double *stored;
-    large_view view;
-    norma_document_result result = norma_large_ply_stored(&p->ply, first, count, &stored, &view);
+    norma_document_result result = norma_large_ply_stored(&p->ply, first, count, &stored);
     if (result) return result;
     result =
         norma_ply_encode_normals(file->document, edit->normal_types, normals, count, file->error);
@@ -482,12 +426,9 @@ static norma_document_result passes_write_block(
     if (stored && !p->job->policy.summary->changed)
         p->job->policy.summary->changed = differs(normals, stored, reasons, count);
     free(stored);
-    if (result) {
-        norma_large_ply_look_away(&p->ply, &view);
-        return result;
-    }
-    result =
-        norma_large_ply_write_rows(&p->ply, &view, normals, norma_large_output_write, &p->output);
+    if (!result)
+        result = norma_large_ply_write_rows(
+            &p->ply, first, count, normals, norma_large_output_write, &p->output);
     return result ? result : norma_large_output_result(&p->output);
 }
 
@@ -495,7 +436,8 @@ static norma_document_result passes_write_part(ply_passes *p, const large_part *
     norma_compute_summary *summary = p->job->policy.summary;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = part->begin; first < part->end && !result; first += LARGE_BLOCK) {
-        const size_t count = passes_block_size(p, first, part->end), at = first - part->begin;
+        const size_t count = norma_large_some(part->end - first, LARGE_BLOCK),
+                     at = first - part->begin;
         for (size_t i = 0; i < count; ++i) {
             if (!part->reasons[at + i]) continue;
             norma_large_bits_set(&p->without, first + i);
@@ -565,10 +507,7 @@ static uint64_t row_place(const ply_passes *p, size_t vertex) {
 static norma_document_result patch_row(ply_passes *p, uint32_t vertex, const double normal[3]) {
     const ply_edit *edit = &p->ply.state->edit;
     double *stored;
-    large_view view;
-    norma_document_result result = norma_large_ply_stored(&p->ply, vertex, 1, &stored, &view);
-    if (result) return result;
-    norma_large_ply_look_away(&p->ply, &view);
+    norma_document_result result = norma_large_ply_stored(&p->ply, vertex, 1, &stored);
     for (int axis = 0; axis < 3 && !result; ++axis) {
         unsigned char bytes[8];
         const float now = (float)normal[axis],
@@ -619,14 +558,11 @@ static norma_document_result passes_fill_nearest(ply_passes *p) {
 /* With --only broken, all others get their stored bytes back. */
 static norma_document_result restore_block(ply_passes *p, size_t first, size_t count) {
     const ply_header *header = &p->ply.state->header;
-    const double scale = norma_ply_normal_scale(header, passes_vertex_of(p), header->normal);
+    const double scale = norma_ply_normal_scale(header, p->ply.vertex, header->normal);
     unsigned char *rows = malloc(count * p->row.size);
     double *stored = NULL;
-    large_view view;
-    norma_document_result result =
-        rows ? norma_large_ply_stored(&p->ply, first, count, &stored, &view)
-             : norma_large_fail_memory(p->file);
-    if (!result) norma_large_ply_look_away(&p->ply, &view);
+    norma_document_result result = rows ? norma_large_ply_stored(&p->ply, first, count, &stored)
+                                        : norma_large_fail_memory(p->file);
     if (!result)
         result =
             norma_large_output_read(&p->output, row_place(p, first), rows, count * p->row.size);
@@ -650,7 +586,7 @@ static norma_document_result restore_unbroken(ply_passes *p) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     p->job->policy.summary->changed = 1;
     for (size_t first = 0; first < p->ply.vertices && !result; first += LARGE_BLOCK)
-        result = restore_block(p, first, passes_block_size(p, first, p->ply.vertices));
+        result = restore_block(p, first, norma_large_some(p->ply.vertices - first, LARGE_BLOCK));
     return result;
 }
 
@@ -663,7 +599,7 @@ static norma_document_result find_anchor(ply_passes *p) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; !p->ply.single && first < p->ply.vertices && !result;
          first += LARGE_BLOCK) {
-        const size_t count = passes_block_size(p, first, p->ply.vertices);
+        const size_t count = norma_large_some(p->ply.vertices - first, LARGE_BLOCK);
         const double *at = p->ply.scratch;
         result = norma_large_ply_positions(&p->ply, first, count, p->ply.scratch);
         for (size_t i = 0; i < count && !result; ++i, at += 3) {
@@ -699,12 +635,11 @@ static norma_document_result begin_output(ply_passes *p) {
         norma_large_ply_write_header(&p->ply, norma_large_output_write, &p->output, &p->row);
     for (int axis = 0; axis < 3 && p->had; ++axis)
         p->job->policy.summary->changed |=
-            norma_ply_property(header, passes_vertex_of(p), header->normal[axis])->type !=
+            norma_ply_property(header, p->ply.vertex, header->normal[axis])->type !=
             edit->normal_types[axis];
     if (!result) result = norma_large_output_result(&p->output);
     norma_large_stage(p->file, 0.27, 0.28);
-    if (!result)
-        result = norma_large_output_copy(&p->output, header->body, passes_vertex_of(p)->begin);
+    if (!result) result = norma_large_output_copy(&p->output, header->body, p->ply.vertex->begin);
     p->rows_begin = p->output.written;
     return result;
 }
@@ -735,7 +670,7 @@ static norma_document_result passes_compute_all(ply_passes *p) {
     if (!result) result = begin_output(p);
     if (!result) result = run_passes(p, 0.28, 0.9);
     norma_large_stage(file, 0.9, 0.95);
-    if (!result) result = norma_large_output_copy(&p->output, passes_vertex_of(p)->end, file->size);
+    if (!result) result = norma_large_output_copy(&p->output, p->ply.vertex->end, file->size);
     norma_large_stage(file, 0.95, 1);
     if (!result) result = passes_fill_nearest(p);
     if (!result && p->only_broken) result = restore_unbroken(p);
@@ -760,7 +695,6 @@ static norma_document_result passes_compute(ply_passes *p) {
 
 norma_document_result norma_large_compute_ply(large_compute *job) {
     ply_passes p = {.job = job, .file = job->file};
-    p.ply.file = p.ply.rows.file = p.ply.blocks.file = job->file; /* closed even if not opened */
     norma_compute_summary *summary = job->policy.summary;
     norma_document_result result = check_options(job);
     if (!result) result = norma_large_ply_open(job->file, &p.ply);

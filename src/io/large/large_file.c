@@ -1,7 +1,6 @@
 /* large_file.c: a file that is read through a window, in order or by place; memory that counts
  * against a limit; and what the file becomes. */
 #include "io/large/large.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -149,22 +148,12 @@ void norma_large_count_reason(norma_report *report, uint8_t reason, size_t eleme
     if (reason == NORMA_REASON_CANCELLED) norma_large_add_count(&report->cancelled, &one, element);
 }
 
-void norma_large_include(norma_large_description *description, const double at[3]) {
-    if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return;
-    for (int axis = 0; axis < 3; ++axis) {
-        double *least = &description->least[axis], *most = &description->most[axis];
-        if (!description->has_bounds || at[axis] < *least) *least = at[axis];
-        if (!description->has_bounds || at[axis] > *most) *most = at[axis];
-    }
-    description->has_bounds = 1;
-}
-
 /* ---- A file that is read through a window, in order or by place. */
 
 static const size_t MOST_HEADER = (size_t)1 << 19;
 
 static norma_document_result read_beginning(large_file *file) {
-    const size_t size = file->size < MOST_HEADER ? (size_t)file->size : MOST_HEADER;
+    const size_t size = norma_large_some(file->size, MOST_HEADER);
     unsigned char *bytes = malloc(size ? size : 1);
     if (!bytes) return norma_large_fail_memory(file);
     file->document->source = (file_bytes){.data = bytes, .size = size, .owned = 1};
@@ -215,6 +204,11 @@ norma_document_result norma_large_fail_memory(large_file *file) {
         "out of memory, even in the smallest parts; allow more memory");
 }
 
+norma_document_result norma_large_fail_whole(const large_file *file, const char *what) {
+    return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "%s, and %s; %s", file->source.why, what, file->source.instead);
+}
+
 norma_document_result norma_large_fail_read(large_file *file, int system_error) {
     return norma_document_fail_file(
         file->document->path, file->error, "cannot be read", system_error);
@@ -235,8 +229,7 @@ norma_document_result norma_large_tell(large_file *file, double fraction) {
     const double done = file->from + (file->to - file->from) * fraction;
     if (!file->progress || !file->progress(file->progress_user, done < 1 ? done : 1))
         return NORMA_DOCUMENT_OK;
-    return norma_document_fail(
-        file->document, file->error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    return norma_document_fail_cancelled(file->document, file->error);
 }
 
 /* ---- rows */
@@ -250,6 +243,7 @@ int norma_large_reader_open(large_file *file, large_reader *reader) {
 }
 
 void norma_large_reader_close(large_reader *reader) {
+    if (!reader->buffer) return;
     norma_large_give(&reader->file->budget, reader->buffer, reader->capacity, 1);
     reader->buffer = NULL;
 }
@@ -272,7 +266,7 @@ const unsigned char *norma_large_peek(large_reader *reader, size_t size) {
     reader->offset += reader->at;
     reader->filled -= reader->at;
     reader->at = 0;
-    const size_t room = reader->capacity - reader->filled, more = left < room ? (size_t)left : room;
+    const size_t more = norma_large_some(left, reader->capacity - reader->filled);
     reader->result = norma_large_read(reader->file, end, reader->buffer + reader->filled, more);
     if (reader->result) return NULL;
     reader->filled += more;
@@ -320,7 +314,7 @@ norma_document_result norma_large_output_copy(large_output *output, uint64_t beg
     unsigned char *buffer = norma_large_take(&file->budget, SMALL_BUFFER, 1);
     norma_document_result result = buffer ? NORMA_DOCUMENT_OK : norma_large_fail_memory(file);
     for (uint64_t at = begin; at < end && !result;) {
-        const size_t size = end - at < SMALL_BUFFER ? (size_t)(end - at) : SMALL_BUFFER;
+        const size_t size = norma_large_some(end - at, SMALL_BUFFER);
         result = norma_large_read(file, at, buffer, size);
         if (!result) {
             norma_large_output_write(output, buffer, size);

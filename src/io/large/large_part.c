@@ -40,10 +40,6 @@ static norma_document_result hash_block(
     return result;
 }
 
-static size_t part_block_size(const large_ply *ply, size_t first) {
-    return ply->vertices - first < LARGE_BLOCK ? ply->vertices - first : LARGE_BLOCK;
-}
-
 /* ---- which are equal to any other */
 
 static const uint64_t PART_EMPTY = UINT64_MAX;
@@ -75,7 +71,7 @@ static norma_document_result meet_part(large_ply *ply, seen_table *table, uint64
     norma_document_result result = NORMA_DOCUMENT_OK;
     memset(table->slots, 0xff, table->size * sizeof *table->slots);
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t count = part_block_size(ply, first);
+        const size_t count = norma_large_some(ply->vertices - first, LARGE_BLOCK);
         result = hash_block(ply, first, count, hashes);
 #if defined(__GNUC__)
         for (size_t i = 0; i < count && !result; ++i)
@@ -138,7 +134,7 @@ static norma_document_result part_gather(large_ply *ply, const large_bits *equal
     size_t end, hash_set *set, uint64_t *hashes) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = begin; first < end && !result; first += LARGE_BLOCK) {
-        const size_t count = end - first < LARGE_BLOCK ? end - first : LARGE_BLOCK;
+        const size_t count = norma_large_some(end - first, LARGE_BLOCK);
         if (!norma_large_bits_any(equal, first, first + count)) continue;
         result = hash_block(ply, first, count, hashes);
         for (size_t i = 0; i < count && !result; ++i)
@@ -152,7 +148,7 @@ static norma_document_result match(large_ply *ply, const large_bits *equal, cons
     uint64_t *hashes, large_bits *members) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t count = part_block_size(ply, first);
+        const size_t count = norma_large_some(ply->vertices - first, LARGE_BLOCK);
         if (!norma_large_bits_any(equal, first, first + count)) continue;
         result = hash_block(ply, first, count, hashes);
         for (size_t i = 0; i < count && !result; ++i)
@@ -335,26 +331,6 @@ static void part_number_corners(large_part *part) {
     }
 }
 
-/* ---- vertices */
-
-static norma_document_result part_gather_positions(const large_parts *parts, large_part *part) {
-    large_ply *ply = parts->ply;
-    const size_t size = norma_large_position_size(ply);
-    unsigned char *out = part->positions;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
-        if (!norma_large_bits_any(&part->needed, first, first + count)) continue;
-        result = norma_large_ply_positions(ply, first, count, ply->scratch);
-        for (size_t i = 0; i < count && !result; ++i)
-            if (norma_large_bits_has(&part->needed, first + i)) {
-                memcpy(out, (const unsigned char *)ply->scratch + i * size, size);
-                out += size;
-            }
-    }
-    return result;
-}
-
 /* ---- the core */
 
 static norma_mesh part_mesh_of(const large_parts *parts, const large_part *part) {
@@ -487,7 +463,8 @@ norma_document_result norma_large_part_compute(const large_parts *parts, large_p
     part_number_corners(part);
     part->positions = norma_large_take(budget, part->count, norma_large_position_size(parts->ply));
     if (!part->positions) return NORMA_DOCUMENT_ERROR_MEMORY;
-    result = part_gather_positions(parts, part);
+    result = norma_large_gather_positions(
+        parts->ply, &part->needed, 0, parts->ply->vertices, part->positions);
     return result ? result : part_run_core(parts, part);
 }
 

@@ -6,11 +6,6 @@
 
 /* ---- opening */
 
-static norma_document_result fail_whole(const large_file *file, const char *what) {
-    return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "%s, and %s; %s", file->source.why, what, file->source.instead);
-}
-
 static norma_document_result large_read_header(large_file *file, ply_state *state) {
     norma_document *document = file->document;
     document->functions = &norma_ply_functions;
@@ -102,7 +97,6 @@ static norma_document_result open_parts(large_ply *ply) {
 
 norma_document_result norma_large_ply_open(large_file *file, large_ply *ply) {
     *ply = (large_ply){.file = file};
-    ply->rows.file = ply->blocks.file = file;
     ply->state = file->document->state = norma_io_allocate(1, sizeof *ply->state);
     if (!ply->state) return norma_large_fail_memory(file);
     norma_document_result result = large_read_header(file, ply->state);
@@ -113,13 +107,14 @@ norma_document_result norma_large_ply_open(large_file *file, large_ply *ply) {
     ply->face = header->face_list == PLY_NONE ? NULL : norma_ply_element(header, header->face);
     ply->faces = ply->face ? ply->face->count : 0;
     if (ply->vertex->count >= UINT32_MAX) whole = "it has more than 4294967294 vertices";
-    if (whole) return fail_whole(file, whole);
+    if (whole) return norma_large_fail_whole(file, whole);
     ply->vertices = ply->state->vertices = (size_t)ply->vertex->count;
     choose_positions(ply);
     return open_parts(ply);
 }
 
 void norma_large_ply_close(large_ply *ply) {
+    if (!ply->file) return;
     large_budget *budget = &ply->file->budget;
     norma_large_reader_close(&ply->rows);
     norma_large_reader_close(&ply->blocks);
@@ -130,20 +125,28 @@ void norma_large_ply_close(large_ply *ply) {
 
 /* ---- vertices */
 
-const unsigned char *norma_large_ply_rows(
+/* Rows from first on, at most LARGE_BLOCK. NULL: file->error says why. */
+static const unsigned char *rows_of(
     large_ply *ply, size_t first, size_t count, norma_document_result *result) {
     const size_t size = ply->vertex->fixed_size;
     *result = NORMA_DOCUMENT_OK;
     norma_large_reader_seek(&ply->blocks, ply->vertex->begin + (uint64_t)first * size);
     const unsigned char *rows = norma_large_peek(&ply->blocks, count * size);
     if (!rows)
-        *result = ply->blocks.result
-                      ? ply->blocks.result
-                      : fail_whole(ply->file, "its vertices take more than 128 bytes each");
+        *result = ply->blocks.result ? ply->blocks.result
+                                     : norma_large_fail_whole(
+                                           ply->file, "its vertices take more than 128 bytes each");
     return rows;
 }
 
-large_view norma_large_ply_look(large_ply *ply, const unsigned char *rows, size_t count) {
+/* The state, as long as a block is looked at, seen as a file of these rows alone. */
+typedef struct large_view {
+    const unsigned char *bytes;
+    size_t begin, vertices;
+    uint64_t count;
+} large_view;
+
+static large_view look_at_rows(large_ply *ply, const unsigned char *rows, size_t count) {
     ply_state *state = ply->state;
     ply_element *vertex = &state->header.elements[state->header.vertex];
     const large_view before = {state->bytes, vertex->begin, state->vertices, vertex->count};
@@ -154,7 +157,7 @@ large_view norma_large_ply_look(large_ply *ply, const unsigned char *rows, size_
     return before;
 }
 
-void norma_large_ply_look_away(large_ply *ply, const large_view *before) {
+static void look_away(large_ply *ply, const large_view *before) {
     ply_state *state = ply->state;
     ply_element *vertex = &state->header.elements[state->header.vertex];
     state->bytes = before->bytes;
@@ -166,7 +169,7 @@ void norma_large_ply_look_away(large_ply *ply, const large_view *before) {
 norma_document_result norma_large_ply_positions(
     large_ply *ply, size_t first, size_t count, void *positions) {
     norma_document_result result;
-    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
+    const unsigned char *rows = rows_of(ply, first, count, &result);
     if (!rows) return result;
     if (!ply->plain_floats) {
         const ply_header *header = &ply->state->header;
@@ -182,20 +185,38 @@ norma_document_result norma_large_ply_positions(
     return NORMA_DOCUMENT_OK;
 }
 
+norma_document_result norma_large_gather_positions(
+    large_ply *ply, const large_bits *members, size_t base, size_t end, void *positions) {
+    const size_t size = norma_large_position_size(ply);
+    unsigned char *out = positions;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t first = base; first < end && !result; first += LARGE_BLOCK) {
+        const size_t count = norma_large_some(end - first, LARGE_BLOCK);
+        if (!norma_large_bits_any(members, first - base, first - base + count)) continue;
+        result = norma_large_ply_positions(ply, first, count, ply->scratch);
+        for (size_t i = 0; i < count && !result; ++i)
+            if (norma_large_bits_has(members, first - base + i)) {
+                memcpy(out, (const unsigned char *)ply->scratch + i * size, size);
+                out += size;
+            }
+    }
+    return result;
+}
+
 /* ---- rows with other normals */
 
 norma_document_result norma_large_ply_stored(
-    large_ply *ply, size_t first, size_t count, double **stored, large_view *view) {
+    large_ply *ply, size_t first, size_t count, double **stored) {
     const int *normal = ply->state->header.normal;
-    norma_document_result result;
-    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
+    norma_document_result result = NORMA_DOCUMENT_OK;
     *stored = NULL;
+    if (normal[0] == PLY_NONE) return result;
+    const unsigned char *rows = rows_of(ply, first, count, &result);
     if (!rows) return result;
-    *view = norma_large_ply_look(ply, rows, count);
-    if (normal[0] != PLY_NONE)
-        result = norma_ply_read_columns(
-            ply->file->document, ply->vertex, normal, stored, ply->file->error);
-    if (result) norma_large_ply_look_away(ply, view);
+    const large_view before = look_at_rows(ply, rows, count);
+    result =
+        norma_ply_read_columns(ply->file->document, ply->vertex, normal, stored, ply->file->error);
+    look_away(ply, &before);
     return result;
 }
 
@@ -229,10 +250,13 @@ norma_document_result norma_large_ply_write_header(
 }
 
 norma_document_result norma_large_ply_write_rows(
-    large_ply *ply, const large_view *view, float *normals, norma_write *write, void *user) {
-    const norma_document_result result =
-        write_with(ply, normals, write, user, norma_ply_write_vertices);
-    norma_large_ply_look_away(ply, view);
+    large_ply *ply, size_t first, size_t count, float *normals, norma_write *write, void *user) {
+    norma_document_result result;
+    const unsigned char *rows = rows_of(ply, first, count, &result);
+    if (!rows) return result;
+    const large_view before = look_at_rows(ply, rows, count);
+    result = write_with(ply, normals, write, user, norma_ply_write_vertices);
+    look_away(ply, &before);
     return result;
 }
 
@@ -281,7 +305,7 @@ static norma_document_result large_walk_row(
         if (is_read && (int)i == header->face_list) {
             at = norma_large_peek(reader, size < SMALL_BUFFER ? (size_t)size : SIZE_MAX);
             if (!at && reader->result) return reader->result;
-            if (!at) return fail_whole(ply->file, "a face is longer than a megabyte");
+            if (!at) return norma_large_fail_whole(ply->file, "a face is longer than a megabyte");
             if (!large_make_room(ply, (size_t)items)) return norma_large_fail_memory(ply->file);
             norma_document_result result =
                 large_take_corners(ply, at + first, (size_t)items, begin, row);

@@ -327,7 +327,7 @@ static norma_document_result scene_read_unread(
     return NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_obj_scene = {.materials = walk_all, .unread = scene_read_unread};
+static const scene_functions OBJ_SCENE = {.materials = walk_all, .unread = scene_read_unread};
 
 /* ---- the document */
 
@@ -413,4 +413,4 @@ const format_functions norma_obj_functions = {.open = norma_edited_open,
     .equal_vertices = norma_obj_equal_vertices,
     .write = norma_obj_write,
     .visit_files = visit_files,
-    .scene = &norma_obj_scene};
+    .scene = &OBJ_SCENE};

@@ -519,7 +519,8 @@ static int obj_has_edit(const void *content) {
            state->vertices;
 }
 
-const edited_format norma_obj_edited = {sizeof(obj_state), 1, obj_has_edit, free_content, obj_read};
+const edited_format norma_obj_edited = {
+    sizeof(obj_state), 1, obj_has_edit, free_content, obj_read, NULL, NULL};
 
 norma_mesh norma_obj_mesh(const obj_state *state) {
     static const double nowhere[3];

@@ -9,7 +9,7 @@
 
 static void ply_free_content(void *content) {
     ply_state *state = content;
-    norma_ply_free_edit(&state->edit);
+    norma_ply_forget_edit(state);
     norma_ply_free_mesh(&state->mesh);
     free(state->normals);
     free(state->header.elements);
@@ -25,8 +25,8 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result ? result : norma_ply_read_mesh(document, error);
 }
 
-const edited_format norma_ply_edited = {
-    sizeof(ply_state), 0, norma_ply_has_edit, ply_free_content, read_source};
+static const edited_format PLY_EDITED = {sizeof(ply_state), 0, norma_ply_has_edit, ply_free_content,
+    read_source, norma_ply_write_changed, norma_ply_forget_edit};
 
 /* ---- Vertices of a PLY as a list of copies of old ones: rows that stay or go, further
  * ones behind them; and which rows are equal. */
@@ -386,7 +386,7 @@ static norma_document_result ply_read_unread(
     return NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_ply_scene = {
+static const scene_functions PLY_SCENE = {
     .attributes = ply_read_attributes, .unread = ply_read_unread};
 
 /* ---- PLY documents. The file's bytes stay as they are; what compute and transform change is
@@ -479,7 +479,7 @@ static int ply_visit_files(const norma_document *document, norma_visit_file *vis
 const format_functions norma_ply_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
-    .edited = &norma_ply_edited,
+    .edited = &PLY_EDITED,
     .mesh_count = norma_edited_mesh_count,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,
@@ -487,7 +487,7 @@ const format_functions norma_ply_functions = {
     .transform = norma_ply_transform,
     .edit = edit_ply,
     .equal_vertices = ply_equal_vertices,
-    .write = norma_ply_write,
+    .write = norma_edited_write,
     .visit_files = ply_visit_files,
-    .scene = &norma_ply_scene,
+    .scene = &PLY_SCENE,
 };

@@ -250,8 +250,8 @@ norma_document_result norma_ply_encode_normals(norma_document *document, const p
     float *normals, size_t count, norma_document_error *error);
 
 /* ply_write.c, ply_rows.c, ply_text.c */
-norma_document_result norma_ply_write(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error);
+norma_document_result norma_ply_write_changed(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
 /* With normals as the only change: the header alone; the rows of the vertices that the state is
  * told to have; the bytes of such a row, and where a normal's numbers lie in it (0: memory is out).
  */
@@ -262,11 +262,7 @@ norma_document_result norma_ply_write_vertices(
 size_t norma_ply_written_row(
     norma_document *document, size_t normal[3], norma_document_error *error);
 int norma_ply_has_edit(const void *state); /* a ply_state */
-void norma_ply_free_edit(ply_edit *edit);
-/* Forgets changes that would write the bytes that are there already; *changed: whether any are
- * left. */
-norma_document_result norma_ply_drop_idle_edit(
-    norma_document *document, int *changed, norma_document_error *error);
+void norma_ply_forget_edit(void *state);
 
 /* How one element is written. */
 typedef struct ply_plan {
@@ -306,7 +302,4 @@ static inline int norma_ply_is_cut(const ply_plan *plan, size_t row) {
  * the caller's to free. */
 norma_document_result norma_ply_row_spans(norma_document *document, const ply_element *element,
     ply_span **spans, norma_document_error *error);
-
-/* ply.c. Flushing makes the changes the document's bytes, which are read again. */
-extern const edited_format norma_ply_edited;
 #endif

@@ -315,7 +315,7 @@ static norma_document_result ply_compute_all(ply_job *job) {
     norma_policy_fill(&job->policy, job->normals, job->reasons,
         job->state->vertices + job->added_count, job->wanted, job->state->vertices);
     result = ply_take_result(job);
-    if (!result) result = norma_ply_drop_idle_edit(job->document, &summary->changed, job->error);
+    if (!result) result = norma_edited_drop_idle(job->document, &summary->changed, job->error);
     summary->vertices_after = job->state->vertices + job->state->edit.added_count;
     return result;
 }
@@ -484,6 +484,6 @@ norma_document_result norma_ply_transform(norma_document *document,
     result = transform_positions(document, options->matrix, error);
     if (!result) result = transform_normals(document, &mapping, error);
     if (!result && mapping.mirrored) result = ply_reverse_faces(document, error);
-    if (!result) result = norma_ply_drop_idle_edit(document, &summary->changed, error);
+    if (!result) result = norma_edited_drop_idle(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }

@@ -11,7 +11,8 @@ int norma_ply_has_edit(const void *state) {
            edit->dropped_vertices || edit->cut_rows;
 }
 
-void norma_ply_free_edit(ply_edit *edit) {
+void norma_ply_forget_edit(void *state) {
+    ply_edit *edit = &((ply_state *)state)->edit;
     free(edit->normals);
     free(edit->stored_normals);
     free(edit->positions);
@@ -382,7 +383,7 @@ size_t norma_ply_written_row(
     return size;
 }
 
-static norma_document_result write_changed(
+norma_document_result norma_ply_write_changed(
     norma_document *document, norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;
     ply_lists lists = {0};
@@ -395,34 +396,5 @@ static norma_document_result write_changed(
     for (size_t i = 0; plans && i < state->header.element_count; ++i) free(plans[i].items);
     free(plans);
     norma_ply_free_lists(&lists);
-    return result;
-}
-
-static norma_document_result write_body(
-    norma_document *document, norma_sink *sink, norma_document_error *error) {
-    const ply_state *state = document->state;
-    if (norma_ply_has_edit(state)) return write_changed(document, sink, error);
-    norma_sink_put(sink, state->bytes, state->size);
-    return NORMA_DOCUMENT_OK;
-}
-
-norma_document_result norma_ply_write(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error) {
-    (void)path;
-    return norma_rewrite(document, write_body, write, user, error);
-}
-
-/* ---- whether anything would change at all */
-
-norma_document_result norma_ply_drop_idle_edit(
-    norma_document *document, int *changed, norma_document_error *error) {
-    ply_state *state = document->state;
-    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.cut_rows ||
-               state->edit.dropped_vertices ||
-               (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
-    if (*changed) return NORMA_DOCUMENT_OK;
-    norma_document_result result =
-        norma_rewrite_compare(document, state->bytes, state->size, changed, error);
-    if (!*changed) norma_ply_free_edit(&state->edit);
     return result;
 }

@@ -9,13 +9,20 @@
 /* ---- The state of an STL document: read, decoded, let go, and read again once its changes
  * have become bytes. */
 
+static void stl_forget_edit(void *content) {
+    stl_state *state = content;
+    free(state->normals);
+    free(state->vertices);
+    state->normals = NULL;
+    state->vertices = NULL;
+}
+
 static void stl_free_content(void *content) {
     stl_state *state = content;
     free(state->name);
     free(state->positions);
     free(state->stored);
-    free(state->normals);
-    free(state->vertices);
+    stl_forget_edit(state);
 }
 
 static int stl_has_edit(const void *content) {
@@ -37,22 +44,15 @@ static norma_document_result stl_read_source(
     return result;
 }
 
-const edited_format norma_stl_edited = {
-    sizeof(stl_state), 0, stl_has_edit, stl_free_content, stl_read_source};
-
-static norma_document_result stl_drop_idle_edit(
-    norma_document *document, int *changed, norma_document_error *error) {
-    stl_state *state = document->state;
-    norma_document_result result =
-        norma_rewrite_compare(document, state->bytes, state->size, changed, error);
-    if (!*changed) {
-        free(state->normals);
-        free(state->vertices);
-        state->normals = NULL;
-        state->vertices = NULL;
-    }
-    return result;
+static norma_document_result stl_write_changed(
+    norma_document *document, norma_sink *sink, norma_document_error *error) {
+    const stl_state *state = document->state;
+    return state->binary ? norma_stl_write_binary(document, sink, error)
+                         : norma_stl_write_text(document, sink, error);
 }
+
+static const edited_format STL_EDITED = {sizeof(stl_state), 0, stl_has_edit, stl_free_content,
+    stl_read_source, stl_write_changed, stl_forget_edit};
 
 static norma_document_result stl_decode(norma_document *document, norma_document_error *error) {
     const stl_state *state = document->state;
@@ -188,19 +188,25 @@ static norma_document_result compute_normals(
     norma_document_result result = compute_whole(document, policy, error);
     if (result) return result;
     stl_keep_stored(state, only);
-    result = stl_drop_idle_edit(document, &policy->summary->changed, error);
+    result = norma_edited_drop_idle(document, &policy->summary->changed, error);
     policy->summary->changed |= changed;
     return result;
+}
+
+norma_document_result norma_stl_check_shading(const norma_document *document,
+    const norma_compute_options *options, norma_document_error *error) {
+    if (options->shading == NORMA_SHADING_DEFAULT || options->shading == NORMA_SHADING_FLAT)
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+        "STL holds one normal for each facet: smooth shading and creases cannot be stored; use "
+        "neither, or another format");
 }
 
 static norma_document_result stl_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error) {
-    if (options->shading == NORMA_SHADING_SMOOTH || options->shading == NORMA_SHADING_CREASE)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "STL holds one normal for each facet: smooth shading and creases cannot be stored; use "
-            "neither, or another format");
-    norma_document_result result = norma_edited_flush(document, error);
+    norma_document_result result = norma_stl_check_shading(document, options, error);
+    if (!result) result = norma_edited_flush(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     compute_policy policy = norma_policy_begin(options, summary, NORMA_SHADING_FLAT, 0);
@@ -269,7 +275,7 @@ static norma_document_result stl_transform(norma_document *document,
     result = stl_decode(document, error);
     if (!result) result = transform_vertices(document, options->matrix, mapping.mirrored, error);
     if (!result) result = stl_transform_normals(document, &mapping, error);
-    if (!result) result = stl_drop_idle_edit(document, &summary->changed, error);
+    if (!result) result = norma_edited_drop_idle(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }
 
@@ -477,29 +483,6 @@ static norma_document_result stl_give_mesh(
     return NORMA_DOCUMENT_OK;
 }
 
-/* ---- writing */
-
-static norma_document_result stl_write_changed(
-    norma_document *document, norma_sink *sink, norma_document_error *error) {
-    const stl_state *state = document->state;
-    return state->binary ? norma_stl_write_binary(document, sink, error)
-                         : norma_stl_write_text(document, sink, error);
-}
-
-static norma_document_result stl_write_body(
-    norma_document *document, norma_sink *sink, norma_document_error *error) {
-    const stl_state *state = document->state;
-    if (state->normals || state->vertices) return stl_write_changed(document, sink, error);
-    norma_sink_put(sink, state->bytes, state->size);
-    return NORMA_DOCUMENT_OK;
-}
-
-static norma_document_result write_stl(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error) {
-    (void)path;
-    return norma_rewrite(document, stl_write_body, write, user, error);
-}
-
 static norma_document_result stl_read_unread(
     norma_document *document, norma_document_error *error) {
     const stl_state *state = document->state;
@@ -523,18 +506,18 @@ static norma_document_result stl_read_unread(
     return NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_stl_scene = {.unread = stl_read_unread};
+static const scene_functions STL_SCENE = {.unread = stl_read_unread};
 
 const format_functions norma_stl_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
-    .edited = &norma_stl_edited,
+    .edited = &STL_EDITED,
     .mesh_count = norma_edited_mesh_count,
     .mesh_info = stl_describe_mesh,
     .mesh_data = stl_give_mesh,
-    .scene = &norma_stl_scene,
+    .scene = &STL_SCENE,
     .compute = stl_compute,
     .transform = stl_transform,
     .edit = stl_edit,
-    .write = write_stl,
+    .write = norma_edited_write,
 };

@@ -39,6 +39,9 @@ norma_document_result norma_stl_write_text(
 /* A number of a normal, or of a vertex, as text that gets one. */
 size_t norma_stl_format(const stl_state *state, int is_normal, double value, char text[32]);
 
+/* Facets are flat. */
+norma_document_result norma_stl_check_shading(const norma_document *document,
+    const norma_compute_options *options, norma_document_error *error);
 int norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_decode_binary(
@@ -50,7 +53,4 @@ int norma_stl_replace_normals(
     unsigned char *bytes, size_t first, size_t count, const float *normals);
 norma_document_result norma_stl_write_binary(
     norma_document *document, norma_sink *sink, norma_document_error *error);
-
-/* stl.c. Flushing makes the changes the document's bytes, which are read again. */
-extern const edited_format norma_stl_edited;
 #endif

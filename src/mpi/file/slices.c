@@ -51,7 +51,6 @@ static int open_ply(mpi_ply *p) {
     const large_source source = {
         read_input, job, job->size, "norma-mpi reads it in parts", "use norma compute"};
     p->file = (large_file){.error = &p->error, .budget = {.most = BUFFERS}, .to = 1};
-    p->ply = (large_ply){.file = &p->file, .rows.file = &p->file, .blocks.file = &p->file};
     norma_document_result result =
         norma_large_open_source(job->input, NORMA_FILE_PLY, &source, &p->file);
     if (!result) result = norma_large_ply_open(&p->file, &p->ply);
@@ -82,10 +81,6 @@ static uint64_t rank_begin_of(const mpi_ply *p, int rank) {
     return norma_mpi_share_of(p->job, p->ply.faces, rank);
 }
 
-static size_t chunk_before(uint64_t face, uint64_t end) {
-    return end - face < LARGE_CHUNK ? (size_t)(end - face) : LARGE_CHUNK;
-}
-
 /* Whether the rows of this rank, were all before triangles, are triangles too. */
 static int are_even(mpi_ply *p, int *all) {
     const size_t row = norma_large_even_row(&p->ply);
@@ -94,7 +89,8 @@ static int are_even(mpi_ply *p, int *all) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     *all = !p->ply.faces || (row && p->ply.faces <= (p->file.size - begin) / row);
     for (uint64_t f = rank_begin_of(p, rank); f < end && *all && !result; f += LARGE_CHUNK)
-        result = norma_large_are_even(&p->ply, begin + f * row, chunk_before(f, end), all);
+        result = norma_large_are_even(
+            &p->ply, begin + f * row, norma_large_some(end - f, LARGE_CHUNK), all);
     return fail_ply(p, result);
 }
 
@@ -105,7 +101,7 @@ static int find_begins(mpi_ply *p, uint64_t *begins) {
     for (int rank = 1; rank <= p->job->call.ranks && !result; ++rank) {
         begins[rank] = begins[rank - 1];
         for (const uint64_t end = rank_begin_of(p, rank); face < end && !result;) {
-            const size_t some = chunk_before(face, end);
+            const size_t some = norma_large_some(end - face, LARGE_CHUNK);
             result = norma_large_ply_chunk(&p->ply, face, some, &begins[rank]);
             face += some;
         }
@@ -172,9 +168,11 @@ static int open_faces(mpi_ply *p, int triangles) {
 static int rank_read_chunks(mpi_ply *p, uint64_t begin) {
     const uint64_t first = rank_begin_of(p, p->job->call.rank), end = first + p->faces;
     int failed = 0;
-    for (uint64_t f = first; f < end && !failed; f += LARGE_CHUNK)
-        failed = fail_ply(p, norma_large_ply_chunk(&p->ply, f, chunk_before(f, end), &begin)) ||
+    for (uint64_t f = first; f < end && !failed; f += LARGE_CHUNK) {
+        const size_t some = norma_large_some(end - f, LARGE_CHUNK);
+        failed = fail_ply(p, norma_large_ply_chunk(&p->ply, f, some, &begin)) ||
                  rank_take_chunk(p, (size_t)(f - first));
+    }
     return failed;
 }
 
@@ -236,18 +234,14 @@ static uint32_t rank_place_of(const mpi_ply *p, uint32_t vertex) {
                           : p->own + norma_core_bisect(p->others, is_lower, &search));
 }
 
-static size_t block_before(size_t v, size_t end) {
-    return end - v < LARGE_BLOCK ? end - v : LARGE_BLOCK;
-}
-
 static int rank_read_positions(mpi_ply *p) {
     const size_t size = norma_large_position_size(&p->ply);
     norma_document_result result = NORMA_DOCUMENT_OK;
     p->positions = norma_core_allocate(&p->job->core, p->own + p->others, size);
     if (!p->positions) return rank_fail_memory(p->job);
     for (size_t v = 0; v < p->own && !result; v += LARGE_BLOCK)
-        result = norma_large_ply_positions(
-            &p->ply, (size_t)p->first + v, block_before(v, p->own), p->positions + v * size);
+        result = norma_large_ply_positions(&p->ply, (size_t)p->first + v,
+            norma_large_some(p->own - v, LARGE_BLOCK), p->positions + v * size);
     return fail_ply(p, result);
 }
 
@@ -359,10 +353,9 @@ static int write_here(void *user, const void *bytes, size_t size) {
 /* The rows of own vertices, from the v-th on; normals become as they are stored. */
 static int rank_write_rows(
     mpi_ply *p, size_t v, size_t count, float *normals, place_in_output *place) {
+    const size_t first = (size_t)p->first + v;
     double *stored;
-    large_view view;
-    norma_document_result result =
-        norma_large_ply_stored(&p->ply, (size_t)p->first + v, count, &stored, &view);
+    norma_document_result result = norma_large_ply_stored(&p->ply, first, count, &stored);
     if (result) return fail_ply(p, result);
     for (size_t i = 0; i < count; ++i) norma_policy_point_up(normals + 3 * i);
     result = norma_ply_encode_normals(
@@ -370,7 +363,8 @@ static int rank_write_rows(
     for (size_t i = 0; stored && i < 3 * count; ++i)
         normals[i] = norma_policy_keep_zero(normals[i], stored[i]);
     free(stored);
-    if (!result) result = norma_large_ply_write_rows(&p->ply, &view, normals, write_here, place);
+    if (!result)
+        result = norma_large_ply_write_rows(&p->ply, first, count, normals, write_here, place);
     return place->failed || fail_ply(p, result);
 }
 
@@ -389,7 +383,9 @@ static int rank_write_parts(mpi_ply *p, uint64_t head, const large_row *row, flo
     if (norma_mpi_copy_share(job, body, head, begin)) return 1;
     place.at = head + begin + p->first * row->size;
     for (size_t v = 0; v < p->own; v += LARGE_BLOCK)
-        if (rank_write_rows(p, v, block_before(v, p->own), normals + 3 * v, &place)) return 1;
+        if (rank_write_rows(
+                p, v, norma_large_some(p->own - v, LARGE_BLOCK), normals + 3 * v, &place))
+            return 1;
     return norma_mpi_copy_share(job, behind, behind_there, job->size - behind);
 }
 
@@ -485,17 +481,13 @@ typedef struct stl_part {
     uint64_t *ids;
 } stl_part;
 
-static int facets_fail_memory(mpi_job *job) {
-    return norma_mpi_fail(job, "%s: out of memory", job->input);
-}
-
 static int facets_open_part(stl_part *p) {
     const core_call *core = &p->job->core;
     p->block = norma_core_allocate(core, STL_HEADER + FACETS * STL_FACET, 1);
     p->positions = norma_core_allocate(core, FACETS, 9 * sizeof *p->positions);
     p->normals = norma_core_allocate(core, FACETS, 3 * sizeof *p->normals);
     p->reasons = norma_core_allocate(core, FACETS, 1);
-    return p->block && p->positions && p->normals && p->reasons ? 0 : facets_fail_memory(p->job);
+    return p->block && p->positions && p->normals && p->reasons ? 0 : rank_fail_memory(p->job);
 }
 
 static int open_kept(stl_part *p) {
@@ -506,7 +498,7 @@ static int open_kept(stl_part *p) {
     p->ids = norma_core_allocate(core, p->count, sizeof *p->ids);
     p->keep = p->kept_positions && p->kept_normals && p->kept_reasons && p->ids;
     for (size_t i = 0; i < p->count && p->keep; ++i) p->ids[i] = p->first + i;
-    return p->keep ? 0 : facets_fail_memory(p->job);
+    return p->keep ? 0 : rank_fail_memory(p->job);
 }
 
 static void facets_close_part(stl_part *p) {
@@ -558,7 +550,7 @@ static int facets_write_block(stl_part *p, size_t begin, size_t count, float *no
 static int for_blocks(stl_part *p, int read, int write) {
     int failed = 0;
     for (size_t at = 0; at < p->count && !failed; at += FACETS) {
-        const size_t count = p->count - at < FACETS ? p->count - at : FACETS;
+        const size_t count = norma_large_some(p->count - at, FACETS);
         if (read) failed = facets_compute_block(p, at, count);
         if (!failed && !read)
             failed =
