@@ -2,7 +2,7 @@
 #ifndef NORMA_MPI_SHARED_FILE_H
 #define NORMA_MPI_SHARED_FILE_H
 #include "io/file/file.h"
-#include "mpi/exchange/exchange.h"
+#include "mpi/vertex/vertex.h"
 #include <norma/norma.h>
 #include <sys/types.h>
 

@@ -256,59 +256,48 @@ static int owner_of(const mpi_ply *p, uint64_t vertex) {
 }
 
 /* The others from begin to end: ascending, so by owners. */
-static norma_result list_wanted(const mpi_ply *p, size_t begin, size_t end, mpi_lists *out) {
-    const core_call *core = &p->job->core;
-    const size_t ranks = (size_t)p->job->call.ranks;
-    const uint64_t *others = p->vertex_ids + p->own;
-    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    memset(room, 0, ranks * sizeof *room);
-    for (size_t i = begin; i < end; ++i) ++room[owner_of(p, others[i])];
-    const norma_result result = norma_mpi_lists_open(&p->job->call, room, sizeof(uint32_t), out);
-    for (size_t i = begin; i < end && !result; ++i) {
-        const uint32_t vertex = (uint32_t)others[i];
-        memcpy(norma_mpi_lists_add(out, owner_of(p, vertex)), &vertex, sizeof vertex);
-    }
-    norma_core_release(core, room, ranks, sizeof *room);
-    return result;
+typedef struct wanted_positions {
+    const mpi_ply *p;
+    const uint64_t *others;
+} wanted_positions;
+
+static int owner_of_wanted(const void *context, size_t i) {
+    const wanted_positions *wanted = context;
+    return owner_of(wanted->p, wanted->others[i]);
 }
 
-static norma_result list_positions(const mpi_ply *p, const mpi_lists *in, mpi_lists *answers) {
-    const size_t size = norma_large_position_size(&p->ply),
-                 count = norma_mpi_lists_total(&p->job->call, in);
-    const norma_result result = norma_mpi_lists_like(&p->job->call, in, size, answers);
-    for (size_t i = 0; i < count && !result; ++i) {
+static void write_wanted(const void *context, size_t i, unsigned char *record) {
+    const uint32_t vertex = (uint32_t)((const wanted_positions *)context)->others[i];
+    memcpy(record, &vertex, sizeof vertex);
+}
+
+static norma_result answer_positions(void *context, const mpi_lists *in, mpi_lists *answers) {
+    const mpi_ply *p = context;
+    const size_t size = answers->record, count = norma_mpi_lists_total(&p->job->call, in);
+    for (size_t i = 0; i < count; ++i) {
         uint32_t vertex;
         memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
         memcpy(
             norma_mpi_record(answers, i), p->positions + (size_t)(vertex - p->first) * size, size);
     }
-    return result;
+    return NORMA_OK;
 }
 
-static norma_result fetch_some(const mpi_ply *p, size_t begin, size_t end) {
+static norma_result fetch_some(mpi_ply *p, size_t begin, size_t end) {
     mpi_call *call = &p->job->call;
     const size_t size = norma_large_position_size(&p->ply);
-    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result =
-        norma_mpi_exchange(call, MPI_POSITIONS, list_wanted(p, begin, end, &out), &out, &in);
-    if (!result) {
-        norma_result mine = list_positions(p, &in, &answers);
-        if (!mine) mine = norma_mpi_lists_like(call, &out, size, &back);
-        result = norma_mpi_agree(call, mine);
-    }
-    if (!result) {
-        norma_mpi_answer(call, MPI_POSITIONS, &answers, &back);
-        memcpy(p->positions + (p->own + begin) * size, back.bytes, (end - begin) * size);
-    }
-    norma_mpi_lists_close(call, &in);
-    norma_mpi_lists_close(call, &out);
-    norma_mpi_lists_close(call, &answers);
+    const wanted_positions wanted = {p, p->vertex_ids + p->own + begin};
+    const mpi_listing listing = {
+        end - begin, sizeof(uint32_t), owner_of_wanted, write_wanted, &wanted};
+    mpi_lists back;
+    const norma_result result =
+        norma_mpi_ask(call, MPI_POSITIONS, &listing, size, answer_positions, p, &back);
+    if (!result) memcpy(p->positions + (p->own + begin) * size, back.bytes, (end - begin) * size);
     norma_mpi_lists_close(call, &back);
     return result;
 }
 
-static norma_result fetch_others(const mpi_ply *p) {
+static norma_result fetch_others(mpi_ply *p) {
     enum { AT_ONCE = 1 << 16 };
     const size_t some = p->faces / 2 > AT_ONCE ? p->faces / 2 : AT_ONCE;
     const uint64_t rounds = norma_mpi_largest(&p->job->call, p->others / some + 1);
@@ -465,30 +454,17 @@ int norma_mpi_compute_ply(mpi_job *job) {
 /* ---- facet normals of a binary STL, a block at a time. Facets without a direction take the normal
  * of the nearest that has one; only where there are such are positions and normals kept. */
 
-enum { FACETS = MPI_BLOCK / STL_FACET };
-
 typedef struct stl_part {
     mpi_job *job;
     uint64_t first; /* this rank's facets: count of them, from first on */
     size_t count;
-    unsigned char *block;       /* an STL of FACETS facets */
-    float *positions, *normals; /* of the facets of a block */
-    uint8_t *reasons;
+    large_facets *block;
     core_tally tally;
     int keep;                             /* what follows is kept of all facets */
     float *kept_positions, *kept_normals; /* first corners */
     uint8_t *kept_reasons;
     uint64_t *ids;
 } stl_part;
-
-static int facets_open_part(stl_part *p) {
-    const core_call *core = &p->job->core;
-    p->block = norma_core_allocate(core, STL_HEADER + FACETS * STL_FACET, 1);
-    p->positions = norma_core_allocate(core, FACETS, 9 * sizeof *p->positions);
-    p->normals = norma_core_allocate(core, FACETS, 3 * sizeof *p->normals);
-    p->reasons = norma_core_allocate(core, FACETS, 1);
-    return p->block && p->positions && p->normals && p->reasons ? 0 : rank_fail_memory(p->job);
-}
 
 static int open_kept(stl_part *p) {
     const core_call *core = &p->job->core;
@@ -503,10 +479,7 @@ static int open_kept(stl_part *p) {
 
 static void facets_close_part(stl_part *p) {
     const core_call *core = &p->job->core;
-    norma_core_release(core, p->block, STL_HEADER + FACETS * STL_FACET, 1);
-    norma_core_release(core, p->positions, FACETS, 9 * sizeof *p->positions);
-    norma_core_release(core, p->normals, FACETS, 3 * sizeof *p->normals);
-    norma_core_release(core, p->reasons, FACETS, 1);
+    norma_core_release(core, p->block, 1, sizeof *p->block);
     norma_core_release(core, p->kept_positions, p->count, 3 * sizeof *p->kept_positions);
     norma_core_release(core, p->kept_normals, p->count, 3 * sizeof *p->kept_normals);
     norma_core_release(core, p->kept_reasons, p->count, 1);
@@ -519,44 +492,49 @@ static uint64_t offset_of(const stl_part *p, size_t i) {
     return STL_HEADER + (p->first + i) * STL_FACET;
 }
 
+static int read_facets(stl_part *p, size_t begin, size_t count) {
+    return norma_mpi_read(
+        p->job, offset_of(p, begin), p->block->bytes + STL_HEADER, count * STL_FACET);
+}
+
 static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
-    const stl_state state = {.bytes = p->block, .binary = 1, .facets = count};
+    large_facets *block = p->block;
+    const stl_state state = {.bytes = block->bytes, .binary = 1, .facets = count};
     norma_options options = p->job->options;
-    if (norma_mpi_read(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET))
-        return 1;
-    for (size_t i = 0; i < count; ++i) norma_stl_load(&state, i, NULL, p->positions + 9 * i);
+    if (read_facets(p, begin, count)) return 1;
+    for (size_t i = 0; i < count; ++i) norma_stl_load(&state, i, NULL, block->positions + 9 * i);
     const norma_mesh mesh = {
-        .positions = {.data = p->positions, .count = 3 * count}, .corner_count = 3 * count};
-    options.reasons = p->reasons;
+        .positions = {.data = block->positions, .count = 3 * count}, .corner_count = 3 * count};
+    options.reasons = block->reasons;
     options.fallback = NORMA_FALLBACK_ZERO;
-    const norma_result result = norma_face_normals(&mesh, &options, p->normals, count, NULL);
+    const norma_result result = norma_face_normals(&mesh, &options, block->normals, count, NULL);
     if (result) return norma_mpi_fail(p->job, "%s: %s", p->job->input, norma_result_text(result));
     for (size_t i = 0; i < count; ++i) {
-        if (!p->keep) norma_core_tally(&p->tally, p->reasons[i], (size_t)p->first + begin + i);
+        if (!p->keep) norma_core_tally(&p->tally, block->reasons[i], (size_t)p->first + begin + i);
         if (p->keep)
-            memcpy(p->kept_positions + 3 * (begin + i), p->positions + 9 * i, 3 * sizeof(float));
+            memcpy(
+                p->kept_positions + 3 * (begin + i), block->positions + 9 * i, 3 * sizeof(float));
     }
-    if (p->keep) memcpy(p->kept_normals + 3 * begin, p->normals, count * 3 * sizeof(float));
-    if (p->keep) memcpy(p->kept_reasons + begin, p->reasons, count);
+    if (p->keep) memcpy(p->kept_normals + 3 * begin, block->normals, count * 3 * sizeof(float));
+    if (p->keep) memcpy(p->kept_reasons + begin, block->reasons, count);
     return 0;
 }
 
 static int facets_write_block(stl_part *p, size_t begin, size_t count, float *normals) {
     for (size_t i = 0; i < count; ++i) norma_policy_point_up(normals + 3 * i);
-    norma_stl_replace_normals(p->block, 0, count, normals);
-    return norma_mpi_write(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET);
+    norma_stl_replace_normals(p->block->bytes, 0, count, normals);
+    return norma_mpi_write(
+        p->job, offset_of(p, begin), p->block->bytes + STL_HEADER, count * STL_FACET);
 }
 
 static int for_blocks(stl_part *p, int read, int write) {
     int failed = 0;
-    for (size_t at = 0; at < p->count && !failed; at += FACETS) {
-        const size_t count = norma_large_some(p->count - at, FACETS);
-        if (read) failed = facets_compute_block(p, at, count);
-        if (!failed && !read)
-            failed =
-                norma_mpi_read(p->job, offset_of(p, at), p->block + STL_HEADER, count * STL_FACET);
+    for (size_t at = 0; at < p->count && !failed; at += LARGE_FACETS) {
+        const size_t count = norma_large_some(p->count - at, LARGE_FACETS);
+        failed = read ? facets_compute_block(p, at, count) : read_facets(p, at, count);
         if (!failed && write)
-            failed = facets_write_block(p, at, count, read ? p->normals : p->kept_normals + 3 * at);
+            failed = facets_write_block(
+                p, at, count, read ? p->block->normals : p->kept_normals + 3 * at);
     }
     return failed;
 }
@@ -577,11 +555,12 @@ static int fill_missing(stl_part *p) {
 
 static int facets_run(stl_part *p) {
     mpi_job *job = p->job;
-    int failed = norma_mpi_failed(job, facets_open_part(p));
+    p->block = norma_core_allocate(&job->core, 1, sizeof *p->block);
+    int failed = norma_mpi_failed(job, p->block ? 0 : rank_fail_memory(job));
     if (!failed) failed = norma_mpi_open_output(job, job->size);
     if (!failed && !job->call.rank)
-        failed = norma_mpi_read(job, 0, p->block, STL_HEADER) ||
-                 norma_mpi_write(job, 0, p->block, STL_HEADER);
+        failed = norma_mpi_read(job, 0, p->block->bytes, STL_HEADER) ||
+                 norma_mpi_write(job, 0, p->block->bytes, STL_HEADER);
     if (!failed) failed = for_blocks(p, 1, 1);
     failed = norma_mpi_failed(job, failed);
     norma_mpi_add_tallies(&job->call, &p->tally);

@@ -7,6 +7,71 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- Faces sorted by their global numbers, digit by digit from the lowest; numbers are read where
+ * they are, so that only places move. */
+
+enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+
+static int ascend(const uint64_t *ids, size_t count) {
+    for (size_t i = 1; i < count; ++i)
+        if (ids[i - 1] > ids[i]) return 0;
+    return 1;
+}
+
+static size_t radix_digit(uint64_t id, int shift) { return (size_t)(id >> shift) & (DIGITS - 1); }
+
+/* Equal digits keep their order. */
+static void sort_by_digit(
+    const uint64_t *ids, size_t count, int shift, const uint32_t *from, uint32_t *to) {
+    uint32_t starts[DIGITS] = {0}, sum = 0;
+    for (size_t i = 0; i < count; ++i) ++starts[radix_digit(ids[i], shift)];
+    for (size_t d = 0; d < DIGITS; ++d) {
+        const uint32_t here = starts[d];
+        starts[d] = sum;
+        sum += here;
+    }
+    for (size_t i = 0; i < count; ++i) to[starts[radix_digit(ids[from[i]], shift)]++] = from[i];
+}
+
+/* Returns the array that holds the result. */
+static uint32_t *sort_places(
+    const uint64_t *ids, size_t count, uint32_t *places, uint32_t *others) {
+    uint64_t differ = 0;
+    for (size_t i = 0; i < count; ++i) {
+        differ |= ids[i] ^ ids[0];
+        places[i] = (uint32_t)i;
+    }
+    for (int shift = 0; shift < 64 && differ >> shift; shift += DIGIT_BITS) {
+        uint32_t *const from = places;
+        if (!radix_digit(differ, shift)) continue;
+        sort_by_digit(ids, count, shift, from, others);
+        places = others;
+        others = from;
+    }
+    return places;
+}
+
+norma_result norma_mpi_order_faces(
+    const core_call *call, const uint64_t *ids, size_t count, mpi_face_order *order) {
+    *order = (mpi_face_order){.ids = ids, .count = count};
+    if (!ids || ascend(ids, count)) return NORMA_OK;
+    uint32_t *places = norma_core_allocate(call, count, sizeof *places),
+             *others = norma_core_allocate(call, count, sizeof *others);
+    if (!places || !others) {
+        norma_core_release(call, places, count, sizeof *places);
+        norma_core_release(call, others, count, sizeof *others);
+        return NORMA_ERROR_MEMORY;
+    }
+    order->order = sort_places(ids, count, places, others);
+    norma_core_release(call, order->order == places ? others : places, count, sizeof *places);
+    return NORMA_OK;
+}
+
+void norma_mpi_order_close(const core_call *call, mpi_face_order *order) {
+    norma_core_release(call, order->order, order->count, sizeof *order->order);
+    order->order = NULL;
+}
+
 /* ---- this rank's part of the mesh, checked and agreed upon, ready to be summed. */
 
 /* ---- Chains of steps may run through all ranks, so one of them has all positions
@@ -14,39 +79,35 @@
 
 enum { POINT = 3 * sizeof(double) };
 
+static int first_rank(const void *context, size_t v) { return (void)context, (void)v, 0; }
+
 /* As the core reads them, its scale applied. */
-static norma_result list_points(const mpi_call *call, const core_mesh *mesh, mpi_lists *out) {
-    const size_t ranks = (size_t)call->ranks;
-    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    memset(room, 0, ranks * sizeof *room);
-    room[0] = mesh->positions.count;
-    const norma_result result = norma_mpi_lists_open(call, room, POINT, out);
-    norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < mesh->positions.count && !result; ++v) {
-        double p[3];
-        norma_view_read(&mesh->positions, v, p);
-        memcpy(norma_mpi_lists_add(out, 0), p, POINT);
-    }
-    return result;
+static void write_point(const void *context, size_t v, unsigned char *record) {
+    double p[3];
+    norma_view_read(&((const core_mesh *)context)->positions, v, p);
+    memcpy(record, p, POINT);
 }
 
-static norma_result weld_points(
-    const mpi_call *call, const mpi_lists *in, double scale, mpi_lists *answers) {
+typedef struct gathered_points {
+    const mpi_call *call;
+    double scale;
+} gathered_points;
+
+static norma_result weld_points(void *context, const mpi_lists *in, mpi_lists *answers) {
+    const gathered_points *points = context;
+    const mpi_call *call = points->call;
     core_mesh all = {.positions = {.data = in->bytes,
                          .count = norma_mpi_lists_total(call, in),
                          .stride = POINT,
                          .format = NORMA_FORMAT_DOUBLE},
-        .scale = scale};
+        .scale = points->scale};
     if (all.positions.count > UINT32_MAX - 1) return NORMA_ERROR_OVERFLOW;
-    norma_result result = norma_core_weld(call->core, &all);
-    if (result) return result;
-    result = norma_mpi_lists_like(call, in, sizeof(uint32_t), answers);
+    const norma_result result = norma_core_weld(call->core, &all);
     for (size_t i = 0; i < all.positions.count && !result; ++i) {
         const uint32_t group = norma_core_welded(&all, (uint32_t)i);
         memcpy(norma_mpi_record(answers, i), &group, sizeof group);
     }
-    norma_core_unweld(call->core, &all);
+    if (!result) norma_core_unweld(call->core, &all);
     return result;
 }
 
@@ -65,31 +126,20 @@ static norma_result read_groups(
 /* Collective. *groups: of each position here a number that those that are one have in common; to be
  * released by the caller. NULL on an error. */
 static norma_result mpi_weld_gathered(mpi_call *call, const core_mesh *mesh, uint64_t **groups) {
-    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    double scale = mesh->scale;
     const size_t count = mesh->positions.count;
+    const mpi_listing listing = {count, POINT, first_rank, write_point, mesh};
+    gathered_points points = {call, count ? mesh->scale : 0}; /* who has no positions knows none */
+    mpi_lists back;
     *groups = NULL;
-    if (!count) scale = 0; /* a rank without positions knows none */
-    norma_mpi_reduce(call, &scale, 1, MPI_DOUBLE, MPI_MAX);
+    norma_mpi_reduce(call, &points.scale, 1, MPI_DOUBLE, MPI_MAX);
     norma_result result =
-        norma_mpi_exchange(call, MPI_OTHERS, list_points(call, mesh, &out), &out, &in);
-    if (!result) {
-        norma_result local = weld_points(call, &in, scale, &answers);
-        if (!local) local = norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back);
-        result = norma_mpi_agree(call, local);
+        norma_mpi_ask(call, MPI_OTHERS, &listing, sizeof(uint32_t), weld_points, &points, &back);
+    if (result) return result;
+    result = norma_mpi_agree(call, read_groups(call, &back, count, groups));
+    if (result) {
+        norma_core_release(call->core, *groups, count, sizeof **groups);
+        *groups = NULL;
     }
-    if (!result) {
-        norma_mpi_answer(call, MPI_OTHERS, &answers, &back);
-        const norma_result local = read_groups(call, &back, count, groups);
-        result = norma_mpi_agree(call, local);
-        if (result) {
-            norma_core_release(call->core, *groups, count, sizeof **groups);
-            *groups = NULL;
-        }
-    }
-    norma_mpi_lists_close(call, &in);
-    norma_mpi_lists_close(call, &out);
-    norma_mpi_lists_close(call, &answers);
     norma_mpi_lists_close(call, &back);
     return result;
 }
@@ -443,8 +493,6 @@ static int stays_here(const share_work *work, const share_cells *cells, size_t v
 
 /* ---- sending */
 
-typedef void share_see(share_work *work, size_t v, int home, void *context);
-
 /* sent: positions that go to their homes. A key costs its record where it is sent and where it is
  * received, and its row in the table. No round where nobody sends any. */
 static uint64_t rounds_for(const share_work *work, size_t budget, uint64_t sent) {
@@ -489,37 +537,18 @@ static norma_result plan_rounds(share_work *work, size_t budget) {
     return NORMA_OK;
 }
 
-/* The positions of this round. */
-static void for_round(share_work *work, share_see *see, void *context) {
-    for (size_t v = 0; v < work->sharing->count; ++v) {
-        const mpi_place place = norma_mpi_place_at(work->sharing, v);
-        if (norma_mpi_kind(place) == MPI_NOWHERE && norma_mpi_slot(place) == work->round + 1)
-            see(work, v, norma_mpi_home(place), context);
-    }
+static int home_in_round(const void *context, size_t v) {
+    const share_work *work = context;
+    const mpi_place place = norma_mpi_place_at(work->sharing, v);
+    return norma_mpi_kind(place) == MPI_NOWHERE && norma_mpi_slot(place) == work->round + 1
+               ? norma_mpi_home(place)
+               : -1;
 }
 
-static void count_one(share_work *work, size_t v, int home, void *context) {
-    (void)work, (void)v;
-    ++((uint64_t *)context)[home];
-}
-
-static void send_one(share_work *work, size_t v, int home, void *context) {
-    unsigned char *record = norma_mpi_lists_add(context, home);
+static void write_key_and_part(const void *context, size_t v, unsigned char *record) {
+    const share_work *work = context;
     write_key(work->keys, v, record);
     record[work->key_size] = work->part[v];
-}
-
-static norma_result list_keys(share_work *work, mpi_lists *out) {
-    const mpi_call *call = work->call;
-    const size_t ranks = (size_t)call->ranks;
-    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    memset(room, 0, ranks * sizeof *room);
-    for_round(work, count_one, room);
-    const norma_result result = norma_mpi_lists_open(call, room, work->key_size + 1, out);
-    norma_core_release(call->core, room, ranks, sizeof *room);
-    if (!result) for_round(work, send_one, out);
-    return result;
 }
 
 /* ---- at home */
@@ -603,7 +632,8 @@ static uint32_t answer_to(const share_work *work, const key_group *group, int vo
     return kind << ANSWER_BITS | group->answer;
 }
 
-static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi_lists *answers) {
+static norma_result answer_keys(void *context, const mpi_lists *in, mpi_lists *answers) {
+    const share_work *work = context;
     key_table table = {
         .in = in, .key_size = work->key_size, .count = norma_mpi_lists_total(work->call, in)};
     norma_result result = open_table(work->call, &table);
@@ -611,7 +641,6 @@ static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi
         for (size_t i = 0; i < table.count; ++i) group_record(&table, i);
         result = mpi_give_slots(work, &table);
     }
-    if (!result) result = norma_mpi_lists_like(work->call, in, sizeof(uint32_t), answers);
     for (size_t i = 0; i < table.count && !result; ++i) {
         const int votes = norma_mpi_record(in, i)[work->key_size] == MPI_VOTES;
         const uint32_t answer = answer_to(work, &table.groups[table.group_of[i]], votes);
@@ -623,20 +652,12 @@ static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi
 
 /* ---- what comes back */
 
-typedef struct share_reader {
-    const mpi_lists *answers;
-    int *next; /* of each rank */
-} share_reader;
-
 static void lend_sum(mpi_sharing *sharing, mpi_place place, uint64_t sum) {
     sharing->loans[sharing->loan_count++] = (mpi_loan){place, sum};
 }
 
-static void read_one(share_work *work, size_t v, int home, void *context) {
-    const share_reader *reader = context;
+static void read_one(share_work *work, size_t v, int home, uint32_t answer) {
     mpi_sharing *sharing = work->sharing;
-    uint32_t answer;
-    memcpy(&answer, norma_mpi_record(reader->answers, (size_t)reader->next[home]++), sizeof answer);
     const uint32_t kind = answer >> ANSWER_BITS, slot = answer & ((1U << ANSWER_BITS) - 1);
     if (kind == ANSWER_LENT)
         lend_sum(sharing, norma_mpi_place(MPI_SHARED, home, slot), sharing->own);
@@ -671,16 +692,18 @@ static norma_result make_room_for_loans(const mpi_call *call, mpi_sharing *shari
 static norma_result read_answers(share_work *work, const mpi_lists *answers) {
     const mpi_call *call = work->call;
     const size_t ranks = (size_t)call->ranks;
-    share_reader reader = {.answers = answers};
-    reader.next = norma_core_allocate(call->core, ranks, sizeof *reader.next);
-    norma_result result = reader.next
-                              ? make_room_for_loans(call, work->sharing, count_lent(call, answers))
-                              : NORMA_ERROR_MEMORY;
-    if (!result) {
-        memcpy(reader.next, answers->starts, ranks * sizeof *reader.next);
-        for_round(work, read_one, &reader);
+    int *next = norma_core_allocate(call->core, ranks, sizeof *next); /* of each rank */
+    norma_result result = next ? make_room_for_loans(call, work->sharing, count_lent(call, answers))
+                               : NORMA_ERROR_MEMORY;
+    if (!result) memcpy(next, answers->starts, ranks * sizeof *next);
+    for (size_t v = 0; v < work->sharing->count && !result; ++v) {
+        const int home = home_in_round(work, v);
+        uint32_t answer;
+        if (home < 0) continue;
+        memcpy(&answer, norma_mpi_record(answers, (size_t)next[home]++), sizeof answer);
+        read_one(work, v, home, answer);
     }
-    norma_core_release(call->core, reader.next, ranks, sizeof *reader.next);
+    norma_core_release(call->core, next, ranks, sizeof *next);
     return result;
 }
 
@@ -688,18 +711,11 @@ static norma_result read_answers(share_work *work, const mpi_lists *answers) {
 
 static norma_result run_round(share_work *work) {
     mpi_call *call = work->call;
-    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result = norma_mpi_exchange(call, MPI_KEYS, list_keys(work, &out), &out, &in);
-    if (!result) {
-        const norma_result mine = answer_keys(work, &in, &answers);
-        const norma_result room =
-            !mine ? norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back) : mine;
-        result = norma_mpi_agree(call, room);
-    }
-    norma_mpi_lists_close(call, &in);
-    norma_mpi_lists_close(call, &out);
-    if (!result) norma_mpi_answer(call, MPI_KEYS, &answers, &back);
-    norma_mpi_lists_close(call, &answers);
+    const mpi_listing listing = {
+        work->sharing->count, work->key_size + 1, home_in_round, write_key_and_part, work};
+    mpi_lists back;
+    norma_result result =
+        norma_mpi_ask(call, MPI_KEYS, &listing, sizeof(uint32_t), answer_keys, work, &back);
     if (!result) result = norma_mpi_agree(call, read_answers(work, &back));
     norma_mpi_lists_close(call, &back);
     return result;

@@ -4,71 +4,22 @@
 #include "core/call/weight.h"
 #include "core/corner/corner.h"
 
-/* ---- Triangles are measured eight at a time, as the core does; what doubles do not decide,
- * and polygons, by themselves. */
-
-static norma_weight mpi_weight_of(const mpi_visit *visit) {
-    const norma_weight weight = visit->prepared->call->options.weight;
-    return weight == NORMA_WEIGHT_VISIBLE ? NORMA_WEIGHT_UNIFORM : weight;
-}
-
-static void visit_one(const mpi_visit *visit, size_t f) {
-    const core_mesh *mesh = &visit->prepared->mesh;
-    core_face face;
-    norma_core_prepared_mesh_face(visit->prepared, f, &face);
-    if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (face.flags & CORE_FACE_FINITE) visit->degenerate(visit->context, f);
-        return;
-    }
-    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
-        if (!norma_core_is_kept(mesh, f, c)) continue;
-        visit->vote(visit->context, f, c,
-            norma_core_corner_weight(mesh, mpi_weight_of(visit), f, &face, c), face.normal);
-    }
-}
-
-static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane, size_t f) {
-    const double normal[3] = {
-        batch->normal[0][lane], batch->normal[1][lane], batch->normal[2][lane]};
-    for (size_t k = 0; k < 3; ++k)
-        visit->vote(visit->context, f, 3 * f + k, batch->weight[k][lane], normal);
-}
-
-static void visit_triangles(const mpi_visit *visit, const size_t *faces, int count) {
-    const core_prepared_mesh *prepared = visit->prepared;
-    core_batch batch;
-    const unsigned decided = norma_core_measure_triangles(
-        prepared->call, &prepared->mesh, mpi_weight_of(visit), faces, (size_t)count, &batch);
-    for (int i = 0; i < count; ++i) {
-        if (decided >> i & 1U)
-            visit_lane(visit, &batch, i, faces[i]);
-        else
-            visit_one(visit, faces[i]);
-    }
-}
-
-/* The votes of the faces that are wanted, in ascending number of faces and corners: the numbers
- * that norma_vertex_normals adds. For the most visible normal all weigh 1. */
-static void mpi_visit_votes(const mpi_visit *visit) {
-    size_t faces[CORE_LANES];
-    int count = 0;
-    for (size_t i = 0; i < visit->faces->count; ++i) {
-        const size_t f = norma_mpi_face(visit->faces, i);
-        if (!visit->wants(visit->context, f)) continue;
-        if (visit->prepared->mesh.face_starts) {
-            visit_one(visit, f);
-            continue;
-        }
-        faces[count++] = f;
-        if (count < CORE_LANES) continue;
-        visit_triangles(visit, faces, count);
-        count = 0;
-    }
-    if (count) visit_triangles(visit, faces, count);
-}
-
 /* ---- The votes that came from all ranks, merged by the numbers of their faces and added
  * to the sums of their slots; or gathered, slot by slot, for the most visible normal. */
+
+/* The slot, the vote, and where numbered the number of its face. */
+static size_t vote_size(int numbered) {
+    return sizeof(uint32_t) + 4 * sizeof(double) + (numbered ? sizeof(uint64_t) : 0);
+}
+
+typedef struct mpi_home {
+    const mpi_call *call;
+    const mpi_lists *in; /* votes of each rank, in ascending number of faces */
+    int numbered;        /* else each rank's faces follow those of the rank before */
+    uint64_t first;      /* of count slots, which all votes are for */
+    size_t count;
+    mpi_outcome *outcomes; /* written, of these slots */
+} mpi_home;
 
 typedef struct slot_vote {
     uint32_t slot;
@@ -337,9 +288,12 @@ static uint64_t round_of_slot(const sum_rounds *r, mpi_place place) {
     return round;
 }
 
-static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
-    const uint32_t v = norma_core_corner(&sums->prepared->mesh, corner);
+static mpi_place mpi_place_of(const mpi_sums *sums, size_t v) {
     return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
+}
+
+static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
+    return mpi_place_of(sums, norma_core_corner(&sums->prepared->mesh, corner));
 }
 
 static int may_be_now(const sum_rounds *r, size_t corner) {
@@ -347,8 +301,7 @@ static int may_be_now(const sum_rounds *r, size_t corner) {
 }
 
 /* The first round adds up what is summed here, too, and counts degenerate faces. */
-static int wants_face(const void *context, size_t f) {
-    const sum_rounds *r = context;
+static int wants_face(const sum_rounds *r, size_t f) {
     const core_mesh *mesh = &r->sums->prepared->mesh;
     if (!r->round && r->sums->degenerate) return 1;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
@@ -365,8 +318,7 @@ static void send_vote(const sum_rounds *r, mpi_place place, uint64_t face, const
 }
 
 static void take_vote(
-    void *context, size_t face, size_t corner, double weight, const double normal[3]) {
-    const sum_rounds *r = context;
+    const sum_rounds *r, size_t face, size_t corner, double weight, const double normal[3]) {
     if (r->round && !may_be_now(r, corner)) return;
     const mpi_place place = place_of_corner(r->sums, corner);
     if (is_now(r, place)) {
@@ -377,10 +329,65 @@ static void take_vote(
     }
 }
 
-static void take_degenerate(void *context, size_t face) {
-    const sum_rounds *r = context;
-    if (!r->round && r->sums->degenerate)
-        norma_core_count_one(r->sums->degenerate, (size_t)norma_mpi_face_id(r->sums->faces, face));
+/* ---- Triangles are measured eight at a time, as the core does; what doubles do not decide,
+ * and polygons, by themselves. */
+
+static norma_weight mpi_weight_of(const sum_rounds *r) {
+    const norma_weight weight = r->call->core->options.weight;
+    return weight == NORMA_WEIGHT_VISIBLE ? NORMA_WEIGHT_UNIFORM : weight;
+}
+
+static void visit_one(const sum_rounds *r, size_t f) {
+    const core_mesh *mesh = &r->sums->prepared->mesh;
+    norma_count *degenerate = r->round ? NULL : r->sums->degenerate;
+    core_face face;
+    norma_core_prepared_mesh_face(r->sums->prepared, f, &face);
+    if (!(face.flags & CORE_FACE_DIRECTED)) {
+        if (face.flags & CORE_FACE_FINITE && degenerate)
+            norma_core_count_one(degenerate, (size_t)norma_mpi_face_id(r->sums->faces, f));
+        return;
+    }
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
+        if (!norma_core_is_kept(mesh, f, c)) continue;
+        take_vote(
+            r, f, c, norma_core_corner_weight(mesh, mpi_weight_of(r), f, &face, c), face.normal);
+    }
+}
+
+static void visit_triangles(const sum_rounds *r, const size_t *faces, int count) {
+    const core_prepared_mesh *prepared = r->sums->prepared;
+    core_batch batch;
+    const unsigned decided = norma_core_measure_triangles(
+        prepared->call, &prepared->mesh, mpi_weight_of(r), faces, (size_t)count, &batch);
+    for (int i = 0; i < count; ++i) {
+        if (!(decided >> i & 1U)) {
+            visit_one(r, faces[i]);
+            continue;
+        }
+        const double normal[3] = {batch.normal[0][i], batch.normal[1][i], batch.normal[2][i]};
+        for (size_t k = 0; k < 3; ++k)
+            take_vote(r, faces[i], 3 * faces[i] + k, batch.weight[k][i], normal);
+    }
+}
+
+/* The votes of the faces that are wanted, in ascending number of faces and corners: the numbers
+ * that norma_vertex_normals adds. For the most visible normal all weigh 1. */
+static void mpi_visit_votes(const sum_rounds *r) {
+    size_t faces[CORE_LANES];
+    int count = 0;
+    for (size_t i = 0; i < r->sums->faces->count; ++i) {
+        const size_t f = norma_mpi_face(r->sums->faces, i);
+        if (!wants_face(r, f)) continue;
+        if (r->sums->prepared->mesh.face_starts) {
+            visit_one(r, f);
+            continue;
+        }
+        faces[count++] = f;
+        if (count < CORE_LANES) continue;
+        visit_triangles(r, faces, count);
+        count = 0;
+    }
+    if (count) visit_triangles(r, faces, count);
 }
 
 /* Their sums are complete after the first round's faces; nobody else votes where they go. */
@@ -431,7 +438,7 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
     uint64_t *counts = norma_core_allocate(r->call->core, ranks, sizeof *counts), sent = 0;
     norma_result result = norma_mpi_agree(r->call, counts ? NORMA_OK : NORMA_ERROR_MEMORY);
     if (!result) {
-        size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
+        size_t most = budget / (2 * vote_size(r->sums->numbered));
         if (most < LEAST_VOTES) most = LEAST_VOTES;
         count_votes(r, 1);
         for (size_t i = 0; i < ranks; ++i) sent += r->room[i];
@@ -446,12 +453,10 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
 static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
     if (r->rounds > 1) count_votes(r, 0);
     const norma_result result =
-        norma_mpi_lists_open(r->call, r->room, norma_mpi_vote_size(r->sums->numbered), out);
+        norma_mpi_lists_open(r->call, r->room, vote_size(r->sums->numbered), out);
     if (result) return result;
-    const mpi_visit visit = {
-        r->sums->prepared, r->sums->faces, wants_face, take_vote, take_degenerate, r};
     r->out = out;
-    mpi_visit_votes(&visit);
+    mpi_visit_votes(r);
     send_loans(r);
     return NORMA_OK;
 }
@@ -528,33 +533,22 @@ static int is_at_home(mpi_place place) {
     return norma_mpi_kind(place) == MPI_SHARED || norma_mpi_kind(place) == MPI_ASKED;
 }
 
-static mpi_place mpi_place_of(const mpi_sums *sums, size_t v) {
-    return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
+static int home_of_question(const void *context, size_t i) {
+    const hand_out *h = context;
+    const mpi_place place = mpi_place_of(h->sums, h->begin + i);
+    return is_at_home(place) ? norma_mpi_home(place) : -1;
 }
 
-static norma_result list_questions(const hand_out *h, mpi_lists *out) {
-    const core_call *core = h->call->core;
-    const size_t ranks = (size_t)h->call->ranks;
-    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    memset(room, 0, ranks * sizeof *room);
-    for (size_t v = h->begin; v < h->end; ++v)
-        if (is_at_home(mpi_place_of(h->sums, v))) ++room[norma_mpi_home(mpi_place_of(h->sums, v))];
-    const norma_result result = norma_mpi_lists_open(h->call, room, sizeof(uint32_t), out);
-    norma_core_release(core, room, ranks, sizeof *room);
-    for (size_t v = h->begin; v < h->end && !result; ++v) {
-        const mpi_place place = mpi_place_of(h->sums, v);
-        const uint32_t slot = (uint32_t)norma_mpi_slot(place);
-        if (is_at_home(place))
-            memcpy(norma_mpi_lists_add(out, norma_mpi_home(place)), &slot, sizeof slot);
-    }
-    return result;
+static void write_question(const void *context, size_t i, unsigned char *record) {
+    const hand_out *h = context;
+    const uint32_t slot = (uint32_t)norma_mpi_slot(mpi_place_of(h->sums, h->begin + i));
+    memcpy(record, &slot, sizeof slot);
 }
 
-static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_lists *answers) {
-    const norma_result result = norma_mpi_lists_like(h->call, in, OUTCOME_SIZE, answers);
+static norma_result answer_outcomes(void *context, const mpi_lists *in, mpi_lists *answers) {
+    const hand_out *h = context;
     const size_t count = norma_mpi_lists_total(h->call, in);
-    for (size_t i = 0; i < count && !result; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         uint32_t slot;
         memcpy(&slot, norma_mpi_record(in, i), sizeof slot);
         const mpi_outcome *outcome = &h->sums->outcomes[slot];
@@ -562,7 +556,7 @@ static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_li
         memcpy(record, outcome->normal, sizeof outcome->normal);
         record[sizeof outcome->normal] = (unsigned char)outcome->reason;
     }
-    return result;
+    return NORMA_OK;
 }
 
 static void receive_one(const hand_out *h, size_t v, const mpi_lists *back, int *next,
@@ -592,23 +586,14 @@ static norma_result receive_some(
     return NORMA_OK;
 }
 
-static norma_result hand_out_some(const hand_out *h, mpi_receiver *receive, void *context) {
-    mpi_call *call = h->call;
-    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result = norma_mpi_exchange(call, MPI_NORMALS, list_questions(h, &out), &out, &in);
-    if (!result) {
-        norma_result mine = list_outcomes(h, &in, &answers);
-        if (!mine) mine = norma_mpi_lists_like(call, &out, OUTCOME_SIZE, &back);
-        result = norma_mpi_agree(call, mine);
-    }
-    if (!result) {
-        norma_mpi_answer(call, MPI_NORMALS, &answers, &back);
-        result = norma_mpi_agree(call, receive_some(h, &back, receive, context));
-    }
-    norma_mpi_lists_close(call, &in);
-    norma_mpi_lists_close(call, &out);
-    norma_mpi_lists_close(call, &answers);
-    norma_mpi_lists_close(call, &back);
+static norma_result hand_out_some(hand_out *h, mpi_receiver *receive, void *context) {
+    const mpi_listing listing = {
+        h->end - h->begin, sizeof(uint32_t), home_of_question, write_question, h};
+    mpi_lists back;
+    norma_result result =
+        norma_mpi_ask(h->call, MPI_NORMALS, &listing, OUTCOME_SIZE, answer_outcomes, h, &back);
+    if (!result) result = norma_mpi_agree(h->call, receive_some(h, &back, receive, context));
+    norma_mpi_lists_close(h->call, &back);
     return result;
 }
 

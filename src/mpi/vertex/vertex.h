@@ -1,11 +1,101 @@
-/* vertex.h: vertex normals of a mesh whose parts lie on ranks. */
+/* vertex.h: what ranks do together, and vertex normals of a mesh whose parts lie on them. */
 #ifndef NORMA_MPI_VERTEX_H
 #define NORMA_MPI_VERTEX_H
 #include "core/call/call.h"
 #include "core/corner/corner.h"
-#include "mpi/exchange/exchange.h"
 #include "core/mesh/mesh.h"
 #include "core/vertex/vertex.h"
+#include <mpi.h>
+
+/* ---- What all ranks do together: agreeing on a result, and handing records to each other. */
+
+/* What is sent: positions of a file to the ranks that name them; positions to their homes, and
+ * answers; votes; normals, and questions for them; tables of cells; all else. */
+typedef enum mpi_cargo {
+    MPI_POSITIONS,
+    MPI_KEYS,
+    MPI_CONTRIBUTIONS,
+    MPI_NORMALS,
+    MPI_CELLS,
+    MPI_OTHERS,
+    MPI_CARGOS
+} mpi_cargo;
+
+typedef struct mpi_call {
+    MPI_Comm comm; /* a copy of the caller's: messages of others never meet ours */
+    int rank, ranks;
+    core_call *core; /* memory, progress, options */
+    /* Bytes that left this rank for others; what ranks agree on is left out. */
+    uint64_t sent[MPI_CARGOS];
+} mpi_call;
+
+/* Collective. comm: the caller's. End frees the copy. */
+norma_result norma_mpi_begin(mpi_call *call, MPI_Comm comm, core_call *core);
+void norma_mpi_end(mpi_call *call);
+
+/* Collective: all ranks' numbers become one, in place. */
+void norma_mpi_reduce(const mpi_call *call, void *all, int count, MPI_Datatype type, MPI_Op op);
+/* Collective: the gravest of all ranks' results, on every rank. */
+norma_result norma_mpi_agree(const mpi_call *call, norma_result mine);
+/* The same, and each rank's progress is told: one that cancels cancels all. */
+norma_result norma_mpi_step(mpi_call *call, double fraction, norma_result mine);
+
+/* Collective sums, and the largest and the least, over all ranks. */
+uint64_t norma_mpi_sum(const mpi_call *call, uint64_t mine);
+uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine);
+uint64_t norma_mpi_least(const mpi_call *call, uint64_t mine);
+/* Collective: of the ranks before this one; 0 for the first. */
+uint64_t norma_mpi_sum_before(const mpi_call *call, uint64_t mine);
+uint64_t norma_mpi_largest_before(const mpi_call *call, uint64_t mine);
+/* Collective: whether count numbers are the same everywhere. */
+int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t count);
+
+/* Records of one size for each rank. */
+typedef struct mpi_lists {
+    unsigned char *bytes;
+    size_t capacity, record; /* bytes of all, and of one */
+    int *counts, *starts;    /* of each rank, in records; starts has the end as well */
+} mpi_lists;
+
+/* room: records for each rank at most. OVERFLOW where all together are too many for a message. On
+ * an error there is nothing to close. */
+norma_result norma_mpi_lists_open(
+    const mpi_call *call, const uint64_t *room, size_t record, mpi_lists *lists);
+void norma_mpi_lists_close(const mpi_call *call, mpi_lists *lists);
+static inline unsigned char *norma_mpi_record(const mpi_lists *lists, size_t index) {
+    return lists->bytes + index * lists->record;
+}
+/* The next one for a rank. */
+static inline unsigned char *norma_mpi_lists_add(mpi_lists *lists, int rank) {
+    return norma_mpi_record(lists, (size_t)lists->starts[rank] + (size_t)lists->counts[rank]++);
+}
+static inline size_t norma_mpi_lists_total(const mpi_call *call, const mpi_lists *lists) {
+    size_t sum = 0;
+    for (int r = 0; r < call->ranks; ++r) sum += (size_t)lists->counts[r];
+    return sum;
+}
+
+/* Which of count things go to which ranks, and what is told of each. */
+typedef struct mpi_listing {
+    size_t count, record;
+    int (*rank_of)(const void *context, size_t i); /* -1: to none */
+    void (*write)(const void *context, size_t i, unsigned char *record);
+    const void *context;
+} mpi_listing;
+/* Opens the lists of those, in their order. On an error there is nothing to close. */
+norma_result norma_mpi_list(const mpi_call *call, const mpi_listing *listing, mpi_lists *lists);
+
+/* Collective: opens in, and fills it with what the ranks have for this one, in the order of ranks.
+ * mine: the result so far, agreed on first. On an error in is closed. */
+norma_result norma_mpi_exchange(
+    mpi_call *call, mpi_cargo cargo, norma_result mine, const mpi_lists *out, mpi_lists *in);
+
+/* Fills answers, a record for each of those in in. */
+typedef norma_result mpi_answer(void *context, const mpi_lists *in, mpi_lists *answers);
+/* Collective: a record of that size for each thing that is listed, from the rank that it went to,
+ * in the order of the lists of those. On an error there is nothing to close. */
+norma_result norma_mpi_ask(mpi_call *call, mpi_cargo cargo, const mpi_listing *listing,
+    size_t record, mpi_answer *answer, void *context, mpi_lists *back);
 
 /* ---- norma_mpi_vertex_normals; and, if sent is not NULL, what this rank sent (mpi_cargo) is added
  * there. */
@@ -65,8 +155,6 @@ norma_result norma_mpi_open_part(
 norma_result norma_mpi_weld_numbers(
     core_call *core, const uint64_t *numbers, size_t count, uint32_t **weld);
 void norma_mpi_close_part(const mpi_call *call, mpi_part *part);
-
-/* ---- Which positions of all ranks are one by a distance. */
 
 /* ---- Which positions other ranks have as well, and where the sum of each is taken. */
 
@@ -164,33 +252,6 @@ void norma_mpi_sums_close(const mpi_call *call, mpi_sums *sums);
 typedef void mpi_receiver(void *context, size_t position, int reason, const float normal[3]);
 norma_result norma_mpi_hand_out(
     mpi_call *call, const mpi_sums *sums, size_t budget, mpi_receiver *receive, void *context);
-
-/* ---- The votes of faces, one after the other. */
-
-typedef struct mpi_visit {
-    const core_prepared_mesh *prepared;
-    const mpi_face_order *faces;
-    int (*wants)(const void *context, size_t face);
-    void (*vote)(void *context, size_t face, size_t corner, double weight, const double normal[3]);
-    void (*degenerate)(void *context, size_t face); /* positions finite, no direction */
-    void *context;
-} mpi_visit;
-
-/* ---- Votes as they travel, and how the home of their positions adds them up. */
-
-/* The slot, the vote, and where numbered the number of its face. */
-static inline size_t norma_mpi_vote_size(int numbered) {
-    return sizeof(uint32_t) + 4 * sizeof(double) + (numbered ? sizeof(uint64_t) : 0);
-}
-
-typedef struct mpi_home {
-    const mpi_call *call;
-    const mpi_lists *in; /* votes of each rank, in ascending number of faces */
-    int numbered;        /* else each rank's faces follow those of the rank before */
-    uint64_t first;      /* of count slots, which all votes are for */
-    size_t count;
-    mpi_outcome *outcomes; /* written, of these slots */
-} mpi_home;
 
 /* ---- The vertices that have no normal of their own: counted, and given that of the nearest
  * one that has. */

@@ -9,24 +9,21 @@
 
 enum { MISSING_SIZE = sizeof(uint64_t) + 1 };
 
-static norma_result list_vertices_without_normal(
-    const mpi_call *call, const mpi_part *part, const uint8_t *reasons, mpi_lists *out) {
-    const size_t ranks = (size_t)call->ranks;
-    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    memset(room, 0, ranks * sizeof *room);
-    for (size_t v = 0; v < part->positions; ++v)
-        if (reasons[v]) ++room[norma_mpi_home_of_number(call, part->vertex_ids[v])];
-    const norma_result result = norma_mpi_lists_open(call, room, MISSING_SIZE, out);
-    norma_core_release(call->core, room, ranks, sizeof *room);
-    for (size_t v = 0; v < part->positions && !result; ++v) {
-        if (!reasons[v]) continue;
-        unsigned char *record =
-            norma_mpi_lists_add(out, norma_mpi_home_of_number(call, part->vertex_ids[v]));
-        memcpy(record, &part->vertex_ids[v], sizeof part->vertex_ids[v]);
-        record[sizeof(uint64_t)] = reasons[v];
-    }
-    return result;
+typedef struct missing_vertices {
+    const mpi_call *call;
+    const uint64_t *ids;
+    const uint8_t *reasons;
+} missing_vertices;
+
+static int home_of_missing(const void *context, size_t v) {
+    const missing_vertices *missing = context;
+    return missing->reasons[v] ? norma_mpi_home_of_number(missing->call, missing->ids[v]) : -1;
+}
+
+static void write_missing_vertex(const void *context, size_t v, unsigned char *record) {
+    const missing_vertices *missing = context;
+    memcpy(record, &missing->ids[v], sizeof missing->ids[v]);
+    record[sizeof(uint64_t)] = missing->reasons[v];
 }
 
 static int record_less(const void *a, const void *b) {
@@ -51,12 +48,15 @@ static void count_numbers(const mpi_call *call, const mpi_lists *in, core_tally 
 /* Collective. reasons: of each position here. Each number counts once, on however many ranks. */
 static norma_result mpi_count_missing(
     mpi_call *call, const mpi_part *part, const uint8_t *reasons, core_tally *tally) {
+    const missing_vertices missing = {call, part->vertex_ids, reasons};
+    const mpi_listing listing = {
+        part->positions, MISSING_SIZE, home_of_missing, write_missing_vertex, &missing};
     mpi_lists out = {0}, in = {0};
     uint64_t any = 0;
     for (size_t v = 0; v < part->positions; ++v) any |= reasons[v];
     if (!norma_mpi_largest(call, any)) return NORMA_OK;
-    const norma_result result = norma_mpi_exchange(
-        call, MPI_OTHERS, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
+    const norma_result result =
+        norma_mpi_exchange(call, MPI_OTHERS, norma_mpi_list(call, &listing, &out), &out, &in);
     if (!result) count_numbers(call, &in, tally);
     norma_mpi_lists_close(call, &out);
     norma_mpi_lists_close(call, &in);

@@ -1,6 +1,6 @@
 /* exchange.c: all of MPI that the computation of normals needs. */
 #define _POSIX_C_SOURCE 200809L /* nanosleep */
-#include "mpi/exchange/exchange.h"
+#include "mpi/vertex/vertex.h"
 #include <limits.h>
 #include <string.h>
 #include <time.h>
@@ -152,7 +152,8 @@ norma_result norma_mpi_lists_open(
     return NORMA_OK;
 }
 
-norma_result norma_mpi_lists_like(
+/* As many records as shape has, of another size. */
+static norma_result lists_like(
     const mpi_call *call, const mpi_lists *shape, size_t record, mpi_lists *lists) {
     const size_t ranks = (size_t)call->ranks;
     *lists = (mpi_lists){.record = record};
@@ -169,6 +170,24 @@ void norma_mpi_lists_close(const mpi_call *call, mpi_lists *lists) {
     norma_core_release(call->core, lists->counts, ranks, sizeof *lists->counts);
     norma_core_release(call->core, lists->starts, ranks + 1, sizeof *lists->starts);
     *lists = (mpi_lists){0};
+}
+
+norma_result norma_mpi_list(const mpi_call *call, const mpi_listing *listing, mpi_lists *lists) {
+    const size_t ranks = (size_t)call->ranks;
+    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    memset(room, 0, ranks * sizeof *room);
+    for (size_t i = 0; i < listing->count; ++i) {
+        const int rank = listing->rank_of(listing->context, i);
+        if (rank >= 0) ++room[rank];
+    }
+    const norma_result result = norma_mpi_lists_open(call, room, listing->record, lists);
+    norma_core_release(call->core, room, ranks, sizeof *room);
+    for (size_t i = 0; i < listing->count && !result; ++i) {
+        const int rank = listing->rank_of(listing->context, i);
+        if (rank >= 0) listing->write(listing->context, i, norma_mpi_lists_add(lists, rank));
+    }
+    return result;
 }
 
 /* ---- exchanging */
@@ -215,6 +234,24 @@ norma_result norma_mpi_exchange(
     return result;
 }
 
-void norma_mpi_answer(mpi_call *call, mpi_cargo cargo, const mpi_lists *answers, mpi_lists *in) {
-    mpi_pass(call, cargo, answers, in);
+norma_result norma_mpi_ask(mpi_call *call, mpi_cargo cargo, const mpi_listing *listing,
+    size_t record, mpi_answer *answer, void *context, mpi_lists *back) {
+    mpi_lists out = {0}, in = {0}, answers = {0};
+    *back = (mpi_lists){0};
+    norma_result result =
+        norma_mpi_exchange(call, cargo, norma_mpi_list(call, listing, &out), &out, &in);
+    if (!result) {
+        norma_result mine = lists_like(call, &in, record, &answers);
+        if (!mine) mine = answer(context, &in, &answers);
+        if (!mine) mine = lists_like(call, &out, record, back);
+        result = norma_mpi_agree(call, mine);
+    }
+    norma_mpi_lists_close(call, &in);
+    norma_mpi_lists_close(call, &out);
+    if (!result)
+        mpi_pass(call, cargo, &answers, back);
+    else
+        norma_mpi_lists_close(call, back);
+    norma_mpi_lists_close(call, &answers);
+    return result;
 }
