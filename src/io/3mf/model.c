@@ -87,6 +87,13 @@ static void fail_model_memory(model_reader *r) {
     r->result = norma_document_fail_memory(r->document, r->error);
 }
 
+static void *add_to_list(
+    model_reader *r, void *list, size_t *count, size_t *capacity, size_t size) {
+    void *added = norma_io_add(list, count, capacity, size);
+    if (!added) fail_model_memory(r);
+    return added;
+}
+
 /* ---- attributes */
 
 static const char *value_of(const char **attributes, const char *name) {
@@ -139,16 +146,11 @@ static void add_object(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     const char *name = value_of(attributes, "name");
     char where[300];
-    tmf_object *objects = norma_io_grow(
-        state->objects, &state->object_capacity, state->object_count + 1, sizeof *objects);
-    if (!objects) {
-        fail_model_memory(r);
-        return;
-    }
-    state->objects = objects;
-    tmf_object *object = &objects[state->object_count];
+    tmf_object *object = add_to_list(
+        r, &state->objects, &state->object_count, &state->object_capacity, sizeof *object);
+    if (!object) return;
     *object = (tmf_object){.part = r->part,
-        .number = (uint32_t)state->object_count,
+        .number = (uint32_t)state->object_count - 1,
         .first_component = state->component_count};
     if (!read_id(value_of(attributes, "id"), &object->id)) {
         fail_model(r, "expected an object with an id, a whole number");
@@ -169,7 +171,6 @@ static void add_object(model_reader *r, const char **attributes) {
     object->is_other = type && strcmp(type, "other") == 0;
     snprintf(where, sizeof where, "%.200s%sobject %u", r->part ? state->parts[r->part].name : "",
         r->part ? " " : "", (unsigned)object->id);
-    ++state->object_count;
     object->name = norma_io_copy_text(name ? name : "", name ? strlen(name) : 0);
     object->where = norma_io_copy_text(where, strlen(where));
     if (!object->name || !object->where) fail_model_memory(r);
@@ -191,14 +192,9 @@ static void add_other_id(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     tmf_id other = {.part = r->part};
     if (!read_id(value_of(attributes, "id"), &other.id)) return;
-    tmf_id *others = norma_io_grow(
-        state->others, &state->other_capacity, state->other_count + 1, sizeof *others);
-    if (!others) {
-        fail_model_memory(r);
-        return;
-    }
-    state->others = others;
-    others[state->other_count++] = other;
+    tmf_id *added =
+        add_to_list(r, &state->others, &state->other_count, &state->other_capacity, sizeof *added);
+    if (added) *added = other;
 }
 
 /* The number of the attribute that declares a prefix, not terminated; of none that of the end. */
@@ -249,27 +245,19 @@ static void read_required(model_reader *r, const char **attributes) {
         if (is_named[found]) continue;
         is_named[found] = 1;
         if (is_one_of(KNOWN, space) || is_required(r, space)) continue;
-        tmf_required *list = norma_io_grow(
-            state->required, &state->required_capacity, state->required_count + 1, sizeof *list);
-        char *copy = norma_io_copy_text(space, strlen(space));
-        if (list) state->required = list;
-        if (list && copy)
-            list[state->required_count++] = (tmf_required){.part = r->part, .space = copy};
-        else
-            free(copy), fail_model_memory(r);
+        tmf_required *added = add_to_list(
+            r, &state->required, &state->required_count, &state->required_capacity, sizeof *added);
+        if (!added) return;
+        *added = (tmf_required){r->part, norma_io_copy_text(space, strlen(space))};
+        if (!added->space) fail_model_memory(r);
     }
 }
 
 static void add_vertex(model_reader *r, const char **attributes) {
     tmf_object *object = &r->state->objects[r->state->object_count - 1];
-    double *positions = norma_io_grow(
-        object->positions, &object->position_capacity, object->vertices + 1, 3 * sizeof *positions);
-    if (!positions) {
-        fail_model_memory(r);
-        return;
-    }
-    object->positions = positions;
-    double *position = positions + 3 * object->vertices++;
+    double *position = add_to_list(
+        r, &object->positions, &object->vertices, &object->position_capacity, 3 * sizeof *position);
+    if (!position) return;
     if (!value_as_number(value_of(attributes, "x"), &position[0]) ||
         !value_as_number(value_of(attributes, "y"), &position[1]) ||
         !value_as_number(value_of(attributes, "z"), &position[2]))
@@ -278,14 +266,9 @@ static void add_vertex(model_reader *r, const char **attributes) {
 
 static void store_triangle(model_reader *r, const char **attributes) {
     tmf_object *object = &r->state->objects[r->state->object_count - 1];
-    uint32_t *corners = norma_io_grow(
-        object->corners, &object->corner_capacity, object->faces + 1, 3 * sizeof *corners);
-    if (!corners) {
-        fail_model_memory(r);
-        return;
-    }
-    object->corners = corners;
-    uint32_t *corner = corners + 3 * object->faces++;
+    uint32_t *corner = add_to_list(
+        r, &object->corners, &object->faces, &object->corner_capacity, 3 * sizeof *corner);
+    if (!corner) return;
     static const char *const names[] = {"v1", "v2", "v3"};
     for (int i = 0; i < 3; ++i)
         if (!read_id(value_of(attributes, names[i]), &corner[i]) || corner[i] >= object->vertices) {
@@ -298,13 +281,8 @@ static void store_triangle(model_reader *r, const char **attributes) {
 
 static void add_use(
     model_reader *r, const char **attributes, tmf_use **list, size_t *count, size_t *capacity) {
-    tmf_use *uses = norma_io_grow(*list, capacity, *count + 1, sizeof *uses);
-    if (!uses) {
-        fail_model_memory(r);
-        return;
-    }
-    *list = uses;
-    tmf_use *use = &uses[(*count)++];
+    tmf_use *use = add_to_list(r, list, count, capacity, sizeof *use);
+    if (!use) return;
     const char *path = value_of(attributes, r->path);
     use->part = r->part;
     if (!read_id(value_of(attributes, "objectid"), &use->id) ||
@@ -563,12 +541,10 @@ static norma_document_result draw_object(
     placing *p, const tmf_object *object, const double world[16]) {
     tmf_state *state = p->document->state;
     char where[64];
-    tmf_node *nodes =
-        norma_io_grow(state->nodes, &state->node_capacity, state->node_count + 1, sizeof *nodes);
-    if (!nodes) return norma_document_fail_memory(p->document, p->error);
-    state->nodes = nodes;
+    tmf_node *node =
+        norma_io_add(&state->nodes, &state->node_count, &state->node_capacity, sizeof *node);
+    if (!node) return norma_document_fail_memory(p->document, p->error);
     snprintf(where, sizeof where, "build item %zu", p->item);
-    tmf_node *node = &nodes[state->node_count++];
     *node = (tmf_node){.mesh = object->mesh,
         .name = object->name,
         .where = norma_io_copy_text(where, strlen(where))};

@@ -67,14 +67,13 @@ norma_document_result norma_3mf_add_part(norma_document *document, const char *n
         *part = member->part - 1;
         return NORMA_DOCUMENT_OK;
     }
-    tmf_part *parts =
-        norma_io_grow(state->parts, &state->part_capacity, state->part_count + 1, sizeof *parts);
-    if (!parts) return norma_document_fail_memory(document, error);
-    state->parts = parts;
-    *part = (uint32_t)state->part_count++;
-    parts[*part] = (tmf_part){.name = norma_io_copy_text(name, length)};
-    member->part = *part + 1;
-    return parts[*part].name ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
+    tmf_part *added =
+        norma_io_add(&state->parts, &state->part_count, &state->part_capacity, sizeof *added);
+    if (!added) return norma_document_fail_memory(document, error);
+    *added = (tmf_part){.name = norma_io_copy_text(name, length)};
+    member->part = (uint32_t)state->part_count;
+    *part = member->part - 1;
+    return added->name ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
 }
 
 norma_document_result norma_3mf_unpack(

@@ -189,10 +189,9 @@ static xml_event begin_tag(xml_reader *x) {
     x->at += (size_t)x->is_empty_tag;
     if (x->at != end) return fail_xml(x, "a tag has more than a name and attributes");
     ++x->at;
-    xml_span *open = norma_io_grow(x->open, &x->open_capacity, x->depth + 1, sizeof *open);
+    xml_span *open = norma_io_add(&x->open, &x->depth, &x->open_capacity, sizeof *open);
     if (!open) return XML_NO_MEMORY;
-    x->open = open;
-    open[x->depth++] = (xml_span){name, strlen(x->name)};
+    *open = (xml_span){name, strlen(x->name)};
     x->has_root = 1;
     return XML_BEGINS;
 }

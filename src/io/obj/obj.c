@@ -129,13 +129,10 @@ static void scene_read_material(walk *w, const char *p) {
 }
 
 static void read_texcoord(walk *w, const char *p) {
-    float *grown =
-        norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
-    if (!grown) {
-        w->failed = 1;
-        return;
-    }
-    w->texcoords = grown;
+    float *texcoord =
+        norma_io_add(&w->texcoords, &w->texcoord_count, &w->texcoord_room, 2 * sizeof *texcoord);
+    w->failed |= !texcoord;
+    if (!texcoord) return;
     for (size_t i = 0; i < 2; ++i) {
         double number = 0;
         uint64_t digits;
@@ -143,9 +140,8 @@ static void read_texcoord(walk *w, const char *p) {
         const char *next = norma_digits_plain(p, w->end, &number, &digits);
         if (!next) next = norma_number_parse(p, w->end, &number);
         p = norma_obj_number_end(next ? next : p, w->end);
-        grown[2 * w->texcoord_count + i] = (float)number;
+        texcoord[i] = (float)number;
     }
-    ++w->texcoord_count;
 }
 
 static uint32_t texture_of(const walk *w, const obj_corner *corner) {

@@ -160,14 +160,12 @@ static int add_runs(gathering *g, const obj_part *part) {
         first_face = end;
         if (i == part->run_count || part->runs[i].group == g->group) continue;
         g->group = part->runs[i].group;
-        obj_run *grown =
-            norma_io_grow(state->runs, &state->run_room, state->run_count + 1, sizeof *grown);
-        if (!grown) return 0;
-        state->runs = grown;
-        if (state->run_count &&
-            state->runs[state->run_count - 1].first_face == state->face_count + end)
-            --state->run_count; /* no face lies between */
-        state->runs[state->run_count++] = (obj_run){state->face_count + end, g->group};
+        const size_t last = state->run_count - 1;
+        if (state->run_count && state->runs[last].first_face == state->face_count + end)
+            state->run_count = last; /* no face lies between */
+        obj_run *run = norma_io_add(&state->runs, &state->run_count, &state->run_room, sizeof *run);
+        if (!run) return 0;
+        *run = (obj_run){state->face_count + end, g->group};
     }
     return 1;
 }

@@ -417,11 +417,10 @@ static size_t gather_tokens(writer *w, const char *p) {
     obj_corner corner;
     for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
          p = corner.end) {
-        void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
-        w->out_of_memory |= !grown;
-        if (!grown) return 0;
-        w->tokens = grown;
-        w->tokens[count++] = p;
+        const char **token = norma_io_add(&w->tokens, &count, &w->token_room, sizeof *token);
+        w->out_of_memory |= !token;
+        if (!token) return 0;
+        *token = p;
     }
     return count;
 }

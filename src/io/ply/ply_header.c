@@ -365,11 +365,10 @@ static norma_document_result ply_read_element(header_reader *reader) {
                *end = text + line->words[2].length;
     if (norma_number_parse_integer(text, end, &count) != end || count < 0)
         return fail_line(reader, "this should be the number of rows", line->words[2]);
-    ply_element *grown = norma_io_grow(
-        header->elements, &header->element_capacity, header->element_count + 1, sizeof *grown);
-    if (!grown) return norma_document_fail_memory(reader->document, reader->error);
-    header->elements = grown;
-    grown[header->element_count++] = (ply_element){.name = line->words[1],
+    ply_element *element = norma_io_add(
+        &header->elements, &header->element_count, &header->element_capacity, sizeof *element);
+    if (!element) return norma_document_fail_memory(reader->document, reader->error);
+    *element = (ply_element){.name = line->words[1],
         .count_text = line->words[2],
         .count = (uint64_t)count,
         .first_property = header->property_count};
@@ -421,11 +420,10 @@ static norma_document_result read_property(header_reader *reader) {
     ply_property property = {0};
     norma_document_result result = parse_property(reader, &property);
     if (result) return result;
-    ply_property *grown = norma_io_grow(
-        header->properties, &header->property_capacity, header->property_count + 1, sizeof *grown);
-    if (!grown) return norma_document_fail_memory(reader->document, reader->error);
-    header->properties = grown;
-    grown[header->property_count++] = property;
+    ply_property *added = norma_io_add(
+        &header->properties, &header->property_count, &header->property_capacity, sizeof *added);
+    if (!added) return norma_document_fail_memory(reader->document, reader->error);
+    *added = property;
     ply_element *element = &header->elements[header->element_count - 1];
     ++element->property_count;
     element->list_count += property.count_type != PLY_NO_TYPE;

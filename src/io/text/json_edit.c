@@ -300,13 +300,9 @@ typedef struct splices {
 } splices;
 
 static void add_splice(splices *s, splice one) {
-    splice *grown = norma_io_grow(s->list, &s->capacity, s->count + 1, sizeof *grown);
-    if (!grown) {
-        s->failed = 1;
-        return;
-    }
-    s->list = grown;
-    s->list[s->count++] = one;
+    splice *added = norma_io_add(&s->list, &s->count, &s->capacity, sizeof *added);
+    s->failed |= !added;
+    if (added) *added = one;
 }
 
 /* No two begin at one place: each value is replaced, removed or added to once, and what is added

@@ -183,11 +183,9 @@ void norma_near_free(near_positions *near) {
 
 int norma_near_add(near_positions *near, const double at[3]) {
     if (!norma_core_finite(at)) return 1;
-    double(*grown)[3] = norma_io_grow(near->at, &near->room, near->count + 1, sizeof *grown);
-    if (!grown) return 0;
-    near->at = grown;
-    memcpy(near->at[near->count++], at, sizeof near->at[0]);
-    return 1;
+    double *added = norma_io_add(&near->at, &near->count, &near->room, sizeof near->at[0]);
+    if (added) memcpy(added, at, sizeof near->at[0]);
+    return added != NULL;
 }
 
 int norma_together_compare(const void *a, const void *b) {
@@ -319,12 +317,11 @@ static int add_joined_position(joining *j, const position_votes *votes, uint64_t
         norma_together_add_votes(&j->entries[*place - 1], votes);
         return 0;
     }
-    position_votes *entries =
-        norma_io_grow(j->entries, &j->entry_room, j->entry_count + 1, sizeof *entries);
-    if (!entries) return ENOMEM;
-    j->entries = entries;
-    j->entries[j->entry_count] = *votes;
-    *place = (uint32_t)++j->entry_count;
+    position_votes *entry =
+        norma_io_add(&j->entries, &j->entry_count, &j->entry_room, sizeof *entry);
+    if (!entry) return ENOMEM;
+    *entry = *votes;
+    *place = (uint32_t)j->entry_count;
     return 0;
 }
 

@@ -373,21 +373,6 @@ norma_document_result norma_member_open(together_run *run, member *m) {
     return find_locked(m, file->input, options, error);
 }
 
-norma_document_result norma_member_visit(
-    member *m, visit_surface *visit, void *user, norma_document_error *error) {
-    norma_mesh_data data;
-    norma_mesh_info info;
-    if (norma_file_format_is_gltf(m->document->format))
-        return norma_gltf_visit_surfaces(m->document, visit, user, error);
-    if (norma_document_mesh_info(m->document, 0, &info) || info.not_read) return NORMA_DOCUMENT_OK;
-    const norma_document_result result = norma_document_mesh_data(m->document, 0, &data, error);
-    if (result) return result;
-    const surface_part whole = {0, 0, 0};
-    const document_surface surface = {
-        .mesh = &data.mesh, .unit = 1, .parts = &whole, .part_count = 1};
-    return visit(user, &surface);
-}
-
 /* ---- places */
 
 static const double IDENTITY[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -421,17 +406,15 @@ static norma_document_result add_node(const member *m, const document_surface *s
     if (result) return result;
     for (size_t i = 0; i < info.instances && !result; ++i) {
         double world[16];
-        placement *grown = norma_io_grow(*places, room, *count + 1, sizeof *grown);
-        if (!grown) return norma_document_fail_memory(m->document, error);
-        *places = grown;
+        placement *place = norma_io_add(places, count, room, sizeof *place);
+        if (!place) return norma_document_fail_memory(m->document, error);
         result = norma_document_instance_world(m->document, node, i, world, error);
-        grown[(*count)++] =
-            place_by(info.skin == SIZE_MAX ? world : IDENTITY, level_at(m, surface, &info));
+        *place = place_by(info.skin == SIZE_MAX ? world : IDENTITY, level_at(m, surface, &info));
     }
     return result;
 }
 
-norma_document_result norma_member_places(const member *m, const document_surface *surface,
+static norma_document_result member_places(const member *m, const document_surface *surface,
     placement **places, size_t *count, norma_document_error *error) {
     const size_t nodes = norma_document_node_count(m->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -441,13 +424,48 @@ norma_document_result norma_member_places(const member *m, const document_surfac
     for (size_t n = 0; n < nodes && !result; ++n)
         result = add_node(m, surface, n, places, count, &room, error);
     if (result || nodes) return result;
-    *places = norma_io_grow(NULL, &room, 1, sizeof **places);
-    if (!*places) return norma_document_fail_memory(m->document, error);
-    (*places)[(*count)++] = place_by(IDENTITY, level_at(m, surface, NULL));
+    placement *place = norma_io_add(places, count, &room, sizeof *place);
+    if (!place) return norma_document_fail_memory(m->document, error);
+    *place = place_by(IDENTITY, level_at(m, surface, NULL));
     return NORMA_DOCUMENT_OK;
 }
 
 /* ---- all of them */
+
+typedef struct member_visit {
+    together_run *run;
+    member *m;
+    visit_placed *visit;
+    void *user;
+} member_visit;
+
+static norma_document_result visit_places(void *context, const document_surface *surface) {
+    const member_visit *v = context;
+    placed_surface at = {.run = v->run, .m = v->m, .surface = surface};
+    placement *places;
+    norma_document_result result = member_places(v->m, surface, &places, &at.count, v->run->error);
+    at.places = places;
+    if (!result) result = v->visit(v->user, &at);
+    free(places);
+    return result;
+}
+
+norma_document_result norma_member_visit(
+    together_run *run, member *m, visit_placed *visit, void *user) {
+    member_visit v = {run, m, visit, user};
+    norma_mesh_data data;
+    norma_mesh_info info;
+    if (norma_file_format_is_gltf(m->document->format))
+        return norma_gltf_visit_surfaces(m->document, visit_places, &v, run->error);
+    if (norma_document_mesh_info(m->document, 0, &info) || info.not_read) return NORMA_DOCUMENT_OK;
+    const norma_document_result result =
+        norma_document_mesh_data(m->document, 0, &data, run->error);
+    if (result) return result;
+    const surface_part whole = {0, 0, 0};
+    const document_surface surface = {
+        .mesh = &data.mesh, .unit = 1, .parts = &whole, .part_count = 1};
+    return visit_places(&v, &surface);
+}
 
 int norma_together_rounds(const norma_together_file *files, size_t count) {
     for (size_t i = 0; i < count; ++i) {

@@ -375,10 +375,9 @@ norma_document_result norma_seams_find(together_run *run) {
     while (!result && !(result = read_record(s, &more, run->error)) && more &&
            s->last.at[0] <= run->tile.high[0]) {
         if (!lies_within(s->last.at, run)) continue;
-        position_votes *grown = norma_io_grow(s->near, &room, s->near_count + 1, sizeof *s->near);
-        if (!grown) return norma_document_fail_memory(NULL, run->error);
-        s->near = grown;
-        s->near[s->near_count++] = s->last;
+        position_votes *near = norma_io_add(&s->near, &s->near_count, &room, sizeof *near);
+        if (!near) return norma_document_fail_memory(NULL, run->error);
+        *near = s->last;
     }
     return result;
 }
@@ -424,10 +423,9 @@ typedef struct seams_votes {
 static int keep_border(void *user, position_votes *votes) {
     seams_votes *v = user;
     if (!votes->border) return 0;
-    position_votes *grown = norma_io_grow(v->records, &v->room, v->count + 1, sizeof *v->records);
-    if (!grown) return ENOMEM;
-    v->records = grown;
-    v->records[v->count++] = *votes;
+    position_votes *record = norma_io_add(&v->records, &v->count, &v->room, sizeof *record);
+    if (!record) return ENOMEM;
+    *record = *votes;
     return 0;
 }
 

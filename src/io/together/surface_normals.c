@@ -10,18 +10,15 @@
 
 typedef struct taking {
     together_run *run;
-    member *m;
+    const member *m;
     const document_surface *surface;
+    const placed_surface *at;
     const placement *place;
     world_mesh world;
     open_sum *sums, *kept; /* of each position; kept: NULL where nothing is locked */
     uint8_t *silent;       /* of each face; NULL */
     uint64_t *borders;     /* of each position: not 0 on an edge of one face; NULL */
 } taking;
-
-static norma_document_result fail_votes(const taking *t) {
-    return norma_document_fail_memory(t->m->document, t->run->error);
-}
 
 /* ---- locked parts */
 
@@ -104,7 +101,7 @@ static norma_document_result keep_locked(taking *t) {
     if (!any_locked(t)) return result;
     t->kept = norma_io_allocate(positions, sizeof *t->kept);
     t->silent = norma_io_allocate(t->world.mesh.face_count, 1);
-    if (!t->kept || !t->silent) return fail_votes(t);
+    if (!t->kept || !t->silent) return norma_together_fail_memory(t->at);
     if (t->m->document->format == NORMA_FILE_OBJ) return keep_locked_faces(t);
     for (size_t i = 0; i < t->surface->part_count && !result; ++i)
         if (is_locked_corner(t, &t->surface->parts[i]))
@@ -179,10 +176,10 @@ static norma_document_result add_corner_vote(taking *t, uint32_t position) {
 static norma_document_result take_placed(taking *t, int count_faces) {
     norma_count degenerate = {0, 0};
     t->sums = norma_io_allocate(t->surface->mesh->positions.count, sizeof *t->sums);
-    if (!t->sums) return fail_votes(t);
+    if (!t->sums) return norma_together_fail_memory(t->at);
     norma_document_result result = keep_locked(t);
     if (result) return result;
-    if (t->run->tile.marks && !mark_open_edges(t)) return fail_votes(t);
+    if (t->run->tile.marks && !mark_open_edges(t)) return norma_together_fail_memory(t->at);
     const open_voting voting = {
         &t->world.mesh, t->run->compute.weight, t->silent, t->place->mirrored};
     norma_core_open_votes(&voting, t->sums, &degenerate);
@@ -203,54 +200,40 @@ static norma_document_result take_at(taking *t, int first) {
     free(t->kept);
     free(t->silent);
     free(t->borders);
-    t->borders = NULL;
-    t->sums = t->kept = NULL;
-    t->silent = NULL;
     return result;
 }
 
-static norma_document_result take_surface_votes(void *user, const document_surface *surface) {
-    taking *t = user;
-    placement *places;
-    size_t count;
-    t->surface = surface;
-    norma_document_result result =
-        norma_member_places(t->m, surface, &places, &count, t->run->error);
-    for (size_t i = 0; i < count && !result; ++i) {
-        t->place = &places[i];
-        result = take_at(t, i == 0);
+static norma_document_result take_surface_votes(void *user, const placed_surface *at) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    (void)user;
+    for (size_t i = 0; i < at->count && !result; ++i) {
+        taking t = {
+            .run = at->run, .m = at->m, .surface = at->surface, .at = at, .place = &at->places[i]};
+        result = take_at(&t, i == 0);
     }
-    free(places);
     return result;
 }
 
 norma_document_result norma_together_take_votes(together_run *run, member *m) {
-    taking t = {.run = run, .m = m};
-    return norma_member_visit(m, take_surface_votes, &t, run->error);
+    return norma_member_visit(run, m, take_surface_votes, NULL);
 }
 
 /* ---- positions alone, to find those that are near each other */
 
-static norma_document_result take_near_positions(void *user, const document_surface *surface) {
-    taking *t = user;
-    placement *places;
-    size_t count;
-    norma_document_result result =
-        norma_member_places(t->m, surface, &places, &count, t->run->error);
-    for (size_t i = 0; i < count && !result; ++i)
-        for (size_t v = 0; v < surface->mesh->positions.count && !result; ++v) {
-            double position[3], at[3];
-            norma_together_position(surface, &places[i], v, position);
-            norma_together_at(&t->run->equal, position, at);
-            if (!norma_near_add(t->run->near, at)) result = fail_votes(t);
+static norma_document_result take_near_positions(void *user, const placed_surface *at) {
+    together_run *run = user;
+    for (size_t i = 0; i < at->count; ++i)
+        for (size_t v = 0; v < at->surface->mesh->positions.count; ++v) {
+            double position[3], place[3];
+            norma_together_position(at->surface, &at->places[i], v, position);
+            norma_together_at(&run->equal, position, place);
+            if (!norma_near_add(run->near, place)) return norma_together_fail_memory(at);
         }
-    free(places);
-    return result;
+    return NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_together_take_positions(together_run *run, member *m) {
-    taking t = {.run = run, .m = m};
-    return norma_member_visit(m, take_near_positions, &t, run->error);
+    return norma_member_visit(run, m, take_near_positions, run);
 }
 
 /* ---- Normals from the world back into the mesh of a surface. */
@@ -259,19 +242,17 @@ norma_document_result norma_together_take_positions(together_run *run, member *m
 static const double SAME_NORMAL = 1e-3;
 
 typedef struct taking_back {
+    const placed_surface *at;
     together_run *run;
-    member *m;
     const document_surface *surface;
-    const placement *places;
-    size_t place_count;
     world_mesh world;
     position_normal *found; /* of each position, by the place at hand */
     surface_normals *made;
     uint8_t *seen; /* of each position: SHARED, ALONE */
 } taking_back;
 
-static norma_document_result fail_normals(const taking_back *t) {
-    return norma_document_fail_memory(t->m->document, t->run->error);
+static norma_document_result fail_normals(const taking_back *t, norma_result failed) {
+    return norma_document_fail_core(t->at->m->document, t->run->error, failed);
 }
 
 /* ---- one normal */
@@ -326,7 +307,7 @@ static norma_document_result resolve_cancelled(taking_back *t, const placement *
     for (size_t i = 0; i < count; ++i) cancelled += t->found[i].reason == NORMA_REASON_CANCELLED;
     if (!cancelled) return NORMA_DOCUMENT_OK;
     open_sum *own = norma_io_allocate(count, sizeof *own);
-    if (!own) return fail_normals(t);
+    if (!own) return norma_together_fail_memory(t->at);
     core_mesh apart = t->world.mesh;
     apart.weld = NULL;
     const open_voting voting = {&apart, t->run->compute.weight, NULL, place->mirrored};
@@ -349,19 +330,14 @@ static void take_position(
 
 enum { SHARED = 1, ALONE = 2 }; /* at some place it shares the position with others, or does not */
 
-norma_document_result norma_together_fail_places(
-    const together_run *run, const member *m, const document_surface *surface, size_t count) {
+norma_document_result norma_together_fail_places(const placed_surface *at) {
     norma_mesh_info info = {.name = ""};
-    norma_document_mesh_info(m->document, surface->parts[0].mesh, &info);
-    return norma_document_fail(m->document, run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+    norma_document_mesh_info(at->m->document, at->surface->parts[0].mesh, &info);
+    return norma_document_fail(at->m->document, at->run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
         info.where,
         "mesh \"%.200s\" is drawn at %zu places and would need different normals there, because "
         "different surfaces meet it; transform --bake gives each node a mesh of its own",
-        info.name, count);
-}
-
-static norma_document_result fail_places(const taking_back *t) {
-    return norma_together_fail_places(t->run, t->m, t->surface, t->place_count);
+        info.name, at->count);
 }
 
 /* Of several places those decide where others meet the mesh. Elsewhere it has the normals that it
@@ -381,7 +357,7 @@ static norma_document_result take_shared_normals(taking_back *t, const placement
             t->made->reasons[i] = NORMA_REASON_NONE;
             t->seen[i] |= SHARED;
         } else if (norma_together_differ(normal, t->made->normals + 3 * i)) {
-            return fail_places(t);
+            return norma_together_fail_places(t->at);
         }
     }
     return NORMA_DOCUMENT_OK;
@@ -392,36 +368,38 @@ static norma_document_result compare_alone(const taking_back *t, const float *al
     for (size_t i = 0; i < t->made->count; ++i)
         if (t->seen[i] == (SHARED | ALONE) &&
             norma_together_differ(alone + 3 * i, t->made->normals + 3 * i))
-            return fail_places(t);
+            return norma_together_fail_places(t->at);
     return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result read_place(taking_back *t, const placement *place) {
     norma_together_free_world(&t->world);
     const norma_result placed = norma_together_place(t->surface, place, &t->run->equal, &t->world);
-    if (placed) return norma_document_fail_core(t->m->document, t->run->error, placed);
+    if (placed) return fail_normals(t, placed);
     const norma_document_result result = read_records(t);
     return result ? result : resolve_cancelled(t, place);
 }
 
 static norma_document_result take_one_place(taking_back *t) {
-    const norma_document_result result = read_place(t, &t->places[0]);
+    const placement *place = &t->at->places[0];
+    const norma_document_result result = read_place(t, place);
     for (size_t i = 0; !result && i < t->made->count; ++i)
-        take_position(&t->found[i], &t->places[0], t->made->normals + 3 * i, &t->made->reasons[i]);
+        take_position(&t->found[i], place, t->made->normals + 3 * i, &t->made->reasons[i]);
     return result;
 }
 
 /* As the mesh has them alone, in its own space. */
-static norma_document_result compute_alone_smooth(taking_back *t, const equality *equal) {
+static norma_document_result compute_alone_smooth(taking_back *t) {
+    static const equality exact = {0, NULL};
     static const placement own = {
         .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .plain = 1};
     const size_t count = t->made->count;
     norma_count unused = {0, 0};
     norma_together_free_world(&t->world);
-    const norma_result placed = norma_together_place(t->surface, &own, equal, &t->world);
-    if (placed) return norma_document_fail_core(t->m->document, t->run->error, placed);
+    const norma_result placed = norma_together_place(t->surface, &own, &exact, &t->world);
+    if (placed) return fail_normals(t, placed);
     open_sum *sums = norma_io_allocate(count, sizeof *sums);
-    if (!sums) return fail_normals(t);
+    if (!sums) return norma_together_fail_memory(t->at);
     const open_voting voting = {&t->world.mesh, t->run->compute.weight, NULL, 0};
     norma_core_open_votes(&voting, sums, &unused);
     for (size_t i = 0; i < count; ++i) {
@@ -438,16 +416,14 @@ static norma_document_result compute_alone_smooth(taking_back *t, const equality
 }
 
 static norma_document_result take_many_places(taking_back *t) {
-    const equality exact = {0, NULL};
-    norma_document_result result = compute_alone_smooth(t, &exact);
+    norma_document_result result = compute_alone_smooth(t);
     float *alone = norma_io_block(t->made->count, 3 * sizeof *alone);
-    if (!result && !alone) result = fail_normals(t);
-    if (!result) memcpy(alone, t->made->normals, 3 * t->made->count * sizeof *alone);
     t->seen = norma_io_allocate(t->made->count, 1);
-    if (!result && !t->seen) result = fail_normals(t);
-    for (size_t k = 0; k < t->place_count && !result; ++k) {
-        result = read_place(t, &t->places[k]);
-        if (!result) result = take_shared_normals(t, &t->places[k]);
+    if (!result && (!alone || !t->seen)) result = norma_together_fail_memory(t->at);
+    if (!result) memcpy(alone, t->made->normals, 3 * t->made->count * sizeof *alone);
+    for (size_t k = 0; k < t->at->count && !result; ++k) {
+        result = read_place(t, &t->at->places[k]);
+        if (!result) result = take_shared_normals(t, &t->at->places[k]);
     }
     if (!result) result = compare_alone(t, alone);
     free(alone);
@@ -463,7 +439,7 @@ static norma_document_result fill_joined_nearest(taking_back *t, size_t missing)
     core_nearest nearest;
     norma_result failed = norma_core_begin(&call, &options);
     if (!failed) failed = norma_core_nearest_begin(&call, &t->world.mesh, &nearest);
-    if (failed) return norma_document_fail_core(t->m->document, t->run->error, failed);
+    if (failed) return fail_normals(t, failed);
     for (size_t i = 0; i < made->count; ++i)
         if (made->reasons[i] == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, (uint32_t)i, (uint32_t)i);
@@ -475,7 +451,7 @@ static norma_document_result fill_joined_nearest(taking_back *t, size_t missing)
             made->normals[3 * i + k] = source == UINT32_MAX ? 0 : made->normals[3 * source + k];
     }
     norma_core_nearest_end(&nearest);
-    return norma_document_fail_core(t->m->document, t->run->error, failed);
+    return fail_normals(t, failed);
 }
 
 static norma_document_result fill_missing_normals(taking_back *t) {
@@ -485,27 +461,16 @@ static norma_document_result fill_missing_normals(taking_back *t) {
 }
 
 norma_document_result norma_together_surface_normals(
-    together_run *run, member *m, const document_surface *surface, surface_normals *made) {
-    const size_t count = surface->mesh->positions.count;
-    const equality exact = {0, NULL};
-    taking_back t = {.run = run, .m = m, .surface = surface, .made = made};
-    placement *places;
-    norma_document_result result =
-        norma_member_places(m, surface, &places, &t.place_count, run->error);
-    t.places = places;
-    made->count = count;
-    made->normals = norma_io_allocate(count, 3 * sizeof *made->normals);
-    made->reasons = norma_io_allocate(count, 1);
-    t.found = norma_io_allocate(count, sizeof *t.found);
-    if (!result && (!made->normals || !made->reasons || !t.found)) result = fail_normals(&t);
-    if (!result)
-        result = t.place_count == 1 ? take_one_place(&t)
-                 : t.place_count    ? take_many_places(&t)
-                                    : compute_alone_smooth(&t, &exact);
+    const placed_surface *at, surface_normals *made) {
+    taking_back t = {.at = at, .run = at->run, .surface = at->surface, .made = made};
+    t.found = norma_io_allocate(made->count, sizeof *t.found);
+    norma_document_result result = !t.found         ? norma_together_fail_memory(at)
+                                   : at->count == 1 ? take_one_place(&t)
+                                   : at->count      ? take_many_places(&t)
+                                                    : compute_alone_smooth(&t);
     if (!result) result = fill_missing_normals(&t);
     norma_together_free_world(&t.world);
     free(t.found);
     free(t.seen);
-    free(places);
     return result;
 }

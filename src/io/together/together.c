@@ -78,41 +78,29 @@ static void take_soup_faces(
     }
 }
 
-typedef struct gathering {
-    together_run *run;
-    member *m;
-} gathering;
-
-static norma_document_result take_creased_surface(void *user, const document_surface *surface) {
-    const gathering *g = user;
-    creases *c = g->run->creases;
-    const norma_mesh *mesh = surface->mesh;
+static norma_document_result take_creased_surface(void *user, const placed_surface *at) {
+    creases *c = user;
+    const norma_mesh *mesh = at->surface->mesh;
     const size_t faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
-    placement *places;
-    size_t count;
-    norma_document_result result =
-        norma_member_places(g->m, surface, &places, &count, g->run->error);
-    for (size_t i = 0; i < count && !result; ++i) {
-        if (places[i].level)
-            result = norma_document_fail(g->m->document, g->run->error,
+    for (size_t i = 0; i < at->count; ++i) {
+        if (at->places[i].level)
+            return norma_document_fail(at->m->document, at->run->error,
                 NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
                 "a level of detail takes the normals of a finer one, which creases do not allow; "
                 "compute it without a crease, or the levels one by one");
-        if (!result && !make_crease_room(c, mesh, faces)) result = fail_creases(g->run);
-        if (result) break;
-        take_soup_faces(c, mesh, faces, &places[i], i ? UINT32_MAX : g->run->number);
+        if (!make_crease_room(c, mesh, faces)) return fail_creases(at->run);
+        take_soup_faces(c, mesh, faces, &at->places[i], i ? UINT32_MAX : at->run->number);
         for (size_t v = 0; v < mesh->positions.count; ++v)
-            norma_together_position(surface, &places[i], v, c->positions[c->position_count++]);
+            norma_together_position(
+                at->surface, &at->places[i], v, c->positions[c->position_count++]);
     }
-    free(places);
-    return result;
+    return NORMA_DOCUMENT_OK;
 }
 
 /* First pass: the faces of a file, wherever they are drawn. */
 static norma_document_result creases_take(together_run *run, member *m) {
-    gathering g = {run, m};
     if (!run->creases) run->creases = calloc(1, sizeof *run->creases);
-    return run->creases ? norma_member_visit(m, take_creased_surface, &g, run->error)
+    return run->creases ? norma_member_visit(run, m, take_creased_surface, run->creases)
                         : fail_creases(run);
 }
 
@@ -341,9 +329,9 @@ static void take_place(creases *c, const placement *place, surface_normals *made
     }
 }
 
-static int make_creased_normals(surface_normals *made, size_t count) {
+static int make_normals_room(surface_normals *made, size_t count) {
     made->count = count;
-    made->normals = norma_io_block(count, 3 * sizeof *made->normals);
+    made->normals = norma_io_allocate(count, 3 * sizeof *made->normals);
     made->reasons = norma_io_allocate(count, 1);
     return made->normals && made->reasons;
 }
@@ -363,25 +351,19 @@ static norma_document_result compute_alone_creased(
             surface->mesh, (float)o->crease_angle_rad, &options, made->normals, made->count, NULL));
 }
 
-static norma_document_result creases_surface(
-    together_run *run, member *m, const document_surface *surface, surface_normals *made) {
-    const size_t corners = surface->mesh->corner_count;
+static norma_document_result creases_surface(const placed_surface *at, surface_normals *made) {
     surface_normals other = {0};
-    placement *places;
-    size_t count;
-    norma_document_result result = norma_member_places(m, surface, &places, &count, run->error);
-    if (!result && !make_creased_normals(made, corners)) result = fail_creases(run);
-    if (!result && count > 1 && !make_creased_normals(&other, corners)) result = fail_creases(run);
-    if (!result && !count) result = compute_alone_creased(run, surface, made);
-    for (size_t i = 0; i < count && !result; ++i) {
-        take_place(run->creases, &places[i], i ? &other : made);
-        for (size_t c = 0; i && c < corners && !result; ++c)
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!at->count) return compute_alone_creased(at->run, at->surface, made);
+    if (at->count > 1 && !make_normals_room(&other, made->count)) result = fail_creases(at->run);
+    for (size_t i = 0; i < at->count && !result; ++i) {
+        take_place(at->run->creases, &at->places[i], i ? &other : made);
+        for (size_t c = 0; i && c < made->count && !result; ++c)
             if (norma_together_differ(other.normals + 3 * c, made->normals + 3 * c))
-                result = norma_together_fail_places(run, m, surface, count);
+                result = norma_together_fail_places(at);
     }
     free(other.normals);
     free(other.reasons);
-    free(places);
     return result;
 }
 
@@ -398,23 +380,28 @@ typedef struct writing {
 
 /* ---- normals */
 
-static norma_document_result make_shared_normals(void *user, const document_surface *surface) {
+static size_t count_shared(const together_run *run, const norma_mesh *mesh) {
+    return run->creases ? mesh->corner_count : mesh->positions.count;
+}
+
+static norma_document_result make_shared_normals(void *user, const placed_surface *at) {
     writing *w = user;
-    surface_normals *grown =
-        norma_io_grow(w->surfaces, &w->room, surface->number + 1, sizeof *grown);
-    if (!grown) return norma_document_fail_memory(w->m->document, w->run->error);
+    const size_t number = at->surface->number;
+    surface_normals *grown = norma_io_grow(w->surfaces, &w->room, number + 1, sizeof *grown);
+    if (!grown) return norma_together_fail_memory(at);
     w->surfaces = grown;
-    for (; w->count <= surface->number; ++w->count) w->surfaces[w->count] = (surface_normals){0};
-    surface_normals *made = &w->surfaces[surface->number];
-    return w->run->creases ? creases_surface(w->run, w->m, surface, made)
-                           : norma_together_surface_normals(w->run, w->m, surface, made);
+    for (; w->count <= number; ++w->count) w->surfaces[w->count] = (surface_normals){0};
+    surface_normals *made = &w->surfaces[number];
+    if (!make_normals_room(made, count_shared(w->run, at->surface->mesh)))
+        return w->run->creases ? fail_creases(w->run) : norma_together_fail_memory(at);
+    return w->run->creases ? creases_surface(at, made) : norma_together_surface_normals(at, made);
 }
 
 static norma_result take_summary(
     void *user, size_t surface, const norma_mesh *mesh, float *normals, uint8_t *reasons) {
     const writing *w = user;
-    const size_t count = w->run->creases ? mesh->corner_count : mesh->positions.count;
-    if (surface >= w->count || w->surfaces[surface].count != count) return NORMA_ERROR_ARGUMENT;
+    if (surface >= w->count || w->surfaces[surface].count != count_shared(w->run, mesh))
+        return NORMA_ERROR_ARGUMENT;
     const surface_normals *made = &w->surfaces[surface];
     memcpy(normals, made->normals, made->count * 3 * sizeof *normals);
     if (reasons) memcpy(reasons, made->reasons, made->count);
@@ -471,7 +458,7 @@ static norma_document_result prepare_output(writing *w) {
 
 static norma_document_result together_write_file(together_run *run, member *m) {
     writing w = {.run = run, .m = m};
-    norma_document_result result = norma_member_visit(m, make_shared_normals, &w, run->error);
+    norma_document_result result = norma_member_visit(run, m, make_shared_normals, &w);
     if (!result) result = compute_member(&w);
     if (!result) result = prepare_output(&w);
     for (size_t i = 0; i < w.count; ++i) {

@@ -62,17 +62,6 @@ typedef struct member {
 
 void norma_member_close(member *m);
 
-/* Calls visit for each surface. */
-norma_document_result norma_member_visit(
-    member *m, visit_surface *visit, void *user, norma_document_error *error);
-/* All places where a surface is drawn; none in a glTF that draws others. *places is to be freed. */
-norma_document_result norma_member_places(const member *m, const document_surface *surface,
-    placement **places, size_t *count, norma_document_error *error);
-
-/* ---- Which level of detail a mesh belongs to, as names and MSFT_lod say. */
-
-/* ---- Names and patterns as a shell has them. */
-
 /* ---- Positions of all files that chains of short steps join, and the one that stands for each
  * chain. */
 
@@ -174,9 +163,27 @@ typedef struct together_run {
     double passes, passes_done;
 } together_run;
 
+/* A surface of the file at hand, and all places where it is drawn; none in a glTF that draws
+ * others. */
+typedef struct placed_surface {
+    together_run *run;
+    member *m;
+    const document_surface *surface;
+    const placement *places;
+    size_t count;
+} placed_surface;
+
+static inline norma_document_result norma_together_fail_memory(const placed_surface *at) {
+    return norma_document_fail_memory(at->m->document, at->run->error);
+}
+
 /* member.c */
 /* Opens the file at hand and finds out what a member tells. Close it in any case. */
 norma_document_result norma_member_open(together_run *run, member *m);
+/* Calls visit for each surface. */
+typedef norma_document_result visit_placed(void *user, const placed_surface *at);
+norma_document_result norma_member_visit(
+    together_run *run, member *m, visit_placed *visit, void *user);
 char *norma_together_folder_of(const char *path); /* to be freed; NULL: out of memory */
 /* Whether positions are rounded to floats: one of the files is a glTF. */
 int norma_together_rounds(const norma_together_file *files, size_t count);
@@ -209,15 +216,14 @@ typedef struct surface_normals {
     size_t count;
 } surface_normals;
 
-/* surface_normals.c: the next records of run->normals. */
+/* surface_normals.c: the next records of run->normals; made has room. */
 norma_document_result norma_together_surface_normals(
-    together_run *run, member *m, const document_surface *surface, surface_normals *made);
+    const placed_surface *at, surface_normals *made);
 /* A normal of the world in the mesh's own space. */
 void norma_together_into_mesh(const placement *place, const position_normal *from, float normal[3]);
 /* By more than rounding: then a mesh that is drawn at several places would need one copy for each.
  */
 int norma_together_differ(const float a[3], const float b[3]);
-norma_document_result norma_together_fail_places(
-    const together_run *run, const member *m, const document_surface *surface, size_t count);
+norma_document_result norma_together_fail_places(const placed_surface *at);
 
 #endif
