@@ -147,7 +147,7 @@ function meshoptCalls(memory, need) {
 
 /* ---- fflate: packed members of a zip */
 
-const FULL = 1, DAMAGED = 2; // inflate_result (src/io/3mf/deflate.h)
+const FULL = 1, DAMAGED = 2; // inflate_result (src/io/3mf/3mf.h)
 const PIECE = 1 << 14;
 
 /* Piece by piece, so that what unpacks to far more than the zip says is left early, without room for it. */

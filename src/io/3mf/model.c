@@ -2,7 +2,6 @@
  * the same text with some triangles reversed or left out. Source: 3MF Core 1.3, chapters 3 and 4;
  * Production Extension 1.1 for parts other than the root. */
 #include "io/3mf/3mf.h"
-#include "io/3mf/xml.h"
 #include "io/text/text.h"
 #include <math.h>
 #include <stdarg.h>

@@ -1,7 +1,6 @@
 /* package.c: the parts of a 3MF in its zip, found by their relationships. Source: ECMA-376 part 2
  * (Open Packaging Conventions); 3MF Core 1.3, chapter 2. */
 #include "io/3mf/3mf.h"
-#include "io/3mf/xml.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

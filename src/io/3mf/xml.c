@@ -1,7 +1,7 @@
 /* xml.c: a strict reader of XML in UTF-8 without document types: what is not well-formed is
  * refused. Source: Extensible Markup Language 1.0, fifth edition; names may have any character
  * beyond ASCII. */
-#include "io/3mf/xml.h"
+#include "io/3mf/3mf.h"
 #include "io/text/text.h"
 #include <stdint.h>
 #include <stdio.h>

@@ -48,7 +48,7 @@ typedef struct shared_normals {
  *   glTF                  by has_change, reopen, adopt and drop_change: the patch and the edits of
  *                         the JSON become a file in memory, which is read anew (flush_changes in
  *                         document.c) before anything is asked or changed.
- *   OBJ, PLY, STL         by edited (edits.c): beside the bytes that were read. PLY and STL become
+ *   OBJ, PLY, STL         by edited (format.c): beside the bytes that were read. PLY and STL become
  *                         bytes of their own, read again, before arrays are given out or the next
  *                         change (norma_edited_flush); OBJ's wait together (edited->gathers), and
  *                         show as they are.
@@ -353,7 +353,7 @@ static inline int norma_edit_has_faces(const norma_mesh_edit *edit) {
 static inline int norma_edit_says(const uint8_t *marks, size_t index) {
     return marks && marks[index];
 }
-/* edits.c: of its list of vertices how many are old ones that stay in their order, from the first
+/* format.c: of its list of vertices how many are old ones that stay in their order, from the first
  * on. */
 size_t norma_edit_kept(const norma_mesh_edit *edit);
 

@@ -266,7 +266,7 @@ static int owner_of_wanted(const void *context, size_t i) {
     return owner_of(wanted->p, wanted->others[i]);
 }
 
-static void write_wanted(const void *context, size_t i, unsigned char *record) {
+static void write_wanted_vertex(const void *context, size_t i, unsigned char *record) {
     const uint32_t vertex = (uint32_t)((const wanted_positions *)context)->others[i];
     memcpy(record, &vertex, sizeof vertex);
 }
@@ -288,7 +288,7 @@ static norma_result fetch_some(mpi_ply *p, size_t begin, size_t end) {
     const size_t size = norma_large_position_size(&p->ply);
     const wanted_positions wanted = {p, p->vertex_ids + p->own + begin};
     const mpi_listing listing = {
-        end - begin, sizeof(uint32_t), owner_of_wanted, write_wanted, &wanted};
+        end - begin, sizeof(uint32_t), owner_of_wanted, write_wanted_vertex, &wanted};
     mpi_lists back;
     const norma_result result =
         norma_mpi_ask(call, MPI_POSITIONS, &listing, size, answer_positions, p, &back);
@@ -492,7 +492,7 @@ static uint64_t offset_of(const stl_part *p, size_t i) {
     return STL_HEADER + (p->first + i) * STL_FACET;
 }
 
-static int read_facets(stl_part *p, size_t begin, size_t count) {
+static int rank_read_facets(stl_part *p, size_t begin, size_t count) {
     return norma_mpi_read(
         p->job, offset_of(p, begin), p->block->bytes + STL_HEADER, count * STL_FACET);
 }
@@ -501,7 +501,7 @@ static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
     large_facets *block = p->block;
     const stl_state state = {.bytes = block->bytes, .binary = 1, .facets = count};
     norma_options options = p->job->options;
-    if (read_facets(p, begin, count)) return 1;
+    if (rank_read_facets(p, begin, count)) return 1;
     for (size_t i = 0; i < count; ++i) norma_stl_load(&state, i, NULL, block->positions + 9 * i);
     const norma_mesh mesh = {
         .positions = {.data = block->positions, .count = 3 * count}, .corner_count = 3 * count};
@@ -531,7 +531,7 @@ static int for_blocks(stl_part *p, int read, int write) {
     int failed = 0;
     for (size_t at = 0; at < p->count && !failed; at += LARGE_FACETS) {
         const size_t count = norma_large_some(p->count - at, LARGE_FACETS);
-        failed = read ? facets_compute_block(p, at, count) : read_facets(p, at, count);
+        failed = read ? facets_compute_block(p, at, count) : rank_read_facets(p, at, count);
         if (!failed && write)
             failed = facets_write_block(
                 p, at, count, read ? p->block->normals : p->kept_normals + 3 * at);

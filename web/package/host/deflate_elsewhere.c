@@ -1,6 +1,6 @@
 /* deflate_elsewhere.c: the streams of a zip are packed and unpacked by npm's fflate, which
  * JavaScript loads when the first is met (web/package/decoders.js). */
-#include "io/3mf/deflate.h"
+#include "io/3mf/3mf.h"
 #include <stdlib.h>
 
 #define FROM_JAVASCRIPT(name) __attribute__((import_module("norma"), import_name(#name))) name
