@@ -364,6 +364,18 @@ norma_document_result norma_edited_write(norma_document *document, const char *p
     return result;
 }
 
+norma_document_result norma_edited_put_ordered(norma_document *document, norma_sink *sink,
+    size_t count, norma_make_data_run *make, void *context, norma_document_error *error) {
+    norma_sink_flush(sink);
+    if (sink->failed) return NORMA_DOCUMENT_OK;
+    const norma_ordered_result result =
+        norma_write_ordered((norma_ordered_how){document->threads, &document->watch}, count, make,
+            context, sink->write, sink->user);
+    sink->failed = result == NORMA_ORDERED_REFUSED;
+    return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error)
+                                          : NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_edited_drop_idle(
     norma_document *document, int *changed, norma_document_error *error) {
     norma_compare_sink same = {document->source.data, document->source.size};

@@ -378,6 +378,10 @@ struct edited_format {
 norma_document_result norma_edited_open(norma_document *document, norma_document_error *error);
 void norma_edited_close(norma_document *document);
 size_t norma_edited_mesh_count(const norma_document *document); /* 1 */
+/* Pieces made side by side, in order, into what the sink writes to. A sink that failed before takes
+ * none. */
+norma_document_result norma_edited_put_ordered(norma_document *document, norma_sink *sink,
+    size_t count, norma_make_data_run *make, void *context, norma_document_error *error);
 norma_document_result norma_edited_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
 /* Forgets changes that would write the bytes that are there already; *changed: whether any are

@@ -63,8 +63,8 @@ static norma_document_result ply_equal_vertices(
         for (size_t v = 0; v < state->vertices; ++v) first[v] = (uint32_t)v;
         return NORMA_DOCUMENT_OK;
     }
-    norma_document_result result = norma_ply_row_spans(
-        document, norma_ply_element(&state->header, state->header.vertex), &spans, error);
+    norma_document_result result =
+        norma_ply_row_spans(document, norma_ply_vertex(state), &spans, error);
     const span_rows rows = {state->bytes, spans};
     if (!result && !norma_equal_rows(ply_row_of, &rows, state->vertices, first))
         result = norma_document_fail_memory(document, error);
@@ -127,8 +127,8 @@ static norma_document_result read_columns(norma_document *document, const int pr
     double **values, norma_document_error *error) {
     const ply_state *state = document->state;
     const size_t count = state->vertices, added = state->edit.added_count;
-    norma_document_result result = norma_ply_read_columns(document,
-        norma_ply_element(&state->header, state->header.vertex), properties, values, error);
+    norma_document_result result =
+        norma_ply_read_columns(document, norma_ply_vertex(state), properties, values, error);
     if (result || added == 0) return result;
     double *grown = count > SIZE_MAX / (6 * sizeof *grown) || added > SIZE_MAX / (6 * sizeof *grown)
                         ? NULL
@@ -145,7 +145,7 @@ static norma_document_result read_columns(norma_document *document, const int pr
 static norma_document_result edit_normals(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     ply_state *state = document->state;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     ply_edit *change = &state->edit;
     double *values = NULL;
     const size_t count = vertex_count(state, edit),
@@ -175,7 +175,7 @@ static norma_document_result edit_normals(
 static norma_document_result edit_positions(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     ply_state *state = document->state;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     const size_t count = vertex_count(state, edit),
                  kept = edit->source_vertices ? norma_edit_kept(edit) : count;
     norma_document_result result =
@@ -350,7 +350,7 @@ static norma_document_result ply_read_colors(norma_document *document, const ply
 static norma_document_result ply_read_attributes(norma_document *document, size_t mesh,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     const ply_state *state = document->state;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     (void)mesh;
     if (!vertex) return NORMA_DOCUMENT_OK;
     norma_document_result result = ply_read_texcoords(document, vertex, attributes, error);
@@ -425,7 +425,7 @@ static norma_document_result describe_mesh(
 /* As floats of unit length where whole codes stand for fractions. */
 static norma_document_result decode_normals(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     double *values = NULL;
     norma_document_result result =
         norma_ply_read_columns(document, vertex, state->header.normal, &values, error);

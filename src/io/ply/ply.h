@@ -144,6 +144,9 @@ static inline const ply_property *norma_ply_property(
 static inline const ply_element *norma_ply_element(const ply_header *header, int index) {
     return index == PLY_NONE ? NULL : &header->elements[index];
 }
+static inline const ply_element *norma_ply_vertex(const ply_state *state) {
+    return norma_ply_element(&state->header, state->header.vertex);
+}
 
 /* ply_header.c: types, single values, and the size of binary rows */
 size_t norma_ply_type_size(ply_type type);
@@ -176,6 +179,10 @@ uint32_t norma_ply_copy_triangles(
 
 /* ply_rows.c: where each element's rows lie. Fails where the file is too short. */
 norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
+/* The bytes of the binary row that begins there, or 0 where it does not lie within the file or a
+ * count of a list is negative (then *bad is where); *place: where this property begins. */
+size_t norma_ply_measure_row(const ply_state *state, const ply_element *element, size_t begin,
+    int property, size_t *place, size_t *bad);
 
 /* ply_header.c: the line of an offset, from 1; an error at an offset. */
 size_t norma_ply_line_of(const ply_state *state, size_t offset);

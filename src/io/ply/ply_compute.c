@@ -80,7 +80,7 @@ int norma_ply_is_broken(const double stored[3], double scale) {
 
 static norma_document_result ply_find_broken(ply_job *job, size_t *broken) {
     ply_state *state = job->state;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     norma_document_result result = norma_ply_read_columns(
         job->document, vertex, state->header.normal, &job->stored, job->error);
     job->wanted = norma_io_allocate(state->vertices, 1);
@@ -265,9 +265,8 @@ static norma_document_result ply_keep_zero_signs(const ply_job *job) {
     const ply_state *state = job->state;
     double *stored = NULL;
     if (state->header.normal[0] == PLY_NONE || job->stored) return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_ply_read_columns(job->document,
-        norma_ply_element(&state->header, state->header.vertex), state->header.normal, &stored,
-        job->error);
+    norma_document_result result = norma_ply_read_columns(
+        job->document, norma_ply_vertex(state), state->header.normal, &stored, job->error);
     for (size_t i = 0; i < 3 * state->vertices && !result; ++i)
         job->normals[i] = norma_policy_keep_zero(job->normals[i], stored[i]);
     free(stored);
@@ -405,27 +404,22 @@ static norma_document_result transform_positions(
 
 /* ---- normals */
 
-typedef struct carried_normals {
-    float *normals;
-    ply_type types[3];
-} carried_normals;
-
 static norma_document_result transform_column(norma_document *document,
     const normal_mapping *mapping, const ply_element *element, const int properties[3],
-    carried_normals *carried, norma_document_error *error) {
+    float **normals, ply_type types[3], norma_document_error *error) {
     const ply_header *header = &((const ply_state *)document->state)->header;
-    const size_t count = (size_t)element->count;
+    const size_t count = element ? (size_t)element->count : 0;
     double *stored = NULL;
+    if (properties[0] == PLY_NONE) return NORMA_DOCUMENT_OK;
     norma_document_result result =
         norma_ply_read_columns(document, element, properties, &stored, error);
-    carried->normals = result ? NULL : norma_io_allocate(count, 3 * sizeof *carried->normals);
-    if (!result && !carried->normals) result = norma_document_fail_memory(document, error);
+    *normals = result ? NULL : norma_io_allocate(count, 3 * sizeof **normals);
+    if (!result && !*normals) result = norma_document_fail_memory(document, error);
     if (!result)
-        result = norma_transform_stored_normals(
-            document, mapping, stored, count, carried->normals, error);
+        result = norma_transform_stored_normals(document, mapping, stored, count, *normals, error);
     if (!result) {
-        norma_ply_normal_types(header, element, properties, carried->types);
-        result = norma_ply_encode_normals(document, carried->types, carried->normals, count, error);
+        norma_ply_normal_types(header, element, properties, types);
+        result = norma_ply_encode_normals(document, types, *normals, count, error);
     }
     free(stored);
     return result;
@@ -435,21 +429,12 @@ static norma_document_result transform_normals(
     norma_document *document, const normal_mapping *mapping, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    carried_normals carried = {0};
-    if (header->normal[0] != PLY_NONE) {
-        result = transform_column(document, mapping, norma_ply_element(header, header->vertex),
-            header->normal, &carried, error);
-        state->edit.normals = carried.normals;
-        memcpy(state->edit.normal_types, carried.types, sizeof carried.types);
-    }
-    if (!result && header->face_normal[0] != PLY_NONE) {
-        result = transform_column(document, mapping, norma_ply_element(header, header->face),
-            header->face_normal, &carried, error);
-        state->edit.face_normals = carried.normals;
-        memcpy(state->edit.face_normal_types, carried.types, sizeof carried.types);
-    }
-    return result;
+    ply_edit *edit = &state->edit;
+    const norma_document_result result = transform_column(document, mapping,
+        norma_ply_vertex(state), header->normal, &edit->normals, edit->normal_types, error);
+    return result ? result
+                  : transform_column(document, mapping, norma_ply_element(header, header->face),
+                        header->face_normal, &edit->face_normals, edit->face_normal_types, error);
 }
 
 /* ---- faces */

@@ -153,43 +153,20 @@ static norma_document_result ply_read_positions(
 
 /* ---- lists */
 
-/* The place of a property in a row, of the number behind the last one the row's end. NULL: beyond
- * the bytes, though the rows were found to fit: a mapped file has changed since. */
-static const unsigned char *property_at(
-    const ply_state *state, const ply_element *element, size_t number, const unsigned char *row) {
-    const unsigned char *at = row, *end = state->bytes + state->size;
-    for (size_t i = 0; i <= number && i < element->property_count; ++i) {
-        const ply_property *property = norma_ply_property(&state->header, element, (int)i);
-        const size_t first = norma_ply_type_size(
-            norma_ply_is_list(property) ? property->count_type : property->type);
-        if ((size_t)(end - at) < first) return NULL;
-        if (i == number) break;
-        const size_t size = norma_ply_property_size(&state->header, property, at);
-        if ((size_t)(end - at) < size) return NULL;
-        at += size;
-    }
-    return at;
-}
-
-static const unsigned char *row_end(
-    const ply_state *state, const ply_element *element, const unsigned char *row) {
-    return property_at(state, element, element->property_count, row);
-}
-
-/* 0: the file has changed. */
+/* 0: rows are beyond the bytes, though they were found to fit: a mapped file has changed since. */
 static int count_binary_lists(
     const ply_state *state, const ply_element *element, int list, uint32_t *counts, size_t *total) {
     const ply_header *header = &state->header;
     const ply_type count_type = norma_ply_property(header, element, list)->count_type;
-    const unsigned char *row = state->bytes + element->begin;
-    for (size_t i = 0; row && i < element->count; ++i) {
-        const unsigned char *at = property_at(state, element, (size_t)list, row);
-        if (!at) return 0;
-        counts[i] = (uint32_t)norma_ply_get_integer(at, count_type, header->encoding);
+    size_t row = element->begin, at = 0, bad, size;
+    for (size_t i = 0; i < element->count; ++i, row += size) {
+        size = norma_ply_measure_row(state, element, row, list, &at, &bad);
+        if (!size) return 0;
+        counts[i] =
+            (uint32_t)norma_ply_get_integer(state->bytes + at, count_type, header->encoding);
         *total += counts[i];
-        row = row_end(state, element, row);
     }
-    return row != NULL;
+    return 1;
 }
 
 static int read_binary_lists(
@@ -198,17 +175,16 @@ static int read_binary_lists(
     const ply_property *property = norma_ply_property(header, element, list);
     const size_t item_size = norma_ply_type_size(property->type),
                  count_size = norma_ply_type_size(property->count_type);
-    const unsigned char *row = state->bytes + element->begin, *end = state->bytes + state->size;
+    size_t row = element->begin, place = 0, bad, size;
     int64_t *out = lists->items;
-    for (size_t i = 0; row && i < element->count; ++i) {
-        const unsigned char *at = property_at(state, element, (size_t)list, row);
-        if (!at || ((size_t)(end - at) - count_size) / item_size < lists->counts[i]) return 0;
-        at += count_size;
+    for (size_t i = 0; i < element->count; ++i, row += size) {
+        size = norma_ply_measure_row(state, element, row, list, &place, &bad);
+        if (!size || (size - (place - row) - count_size) / item_size < lists->counts[i]) return 0;
+        const unsigned char *at = state->bytes + place + count_size;
         for (uint32_t k = 0; k < lists->counts[i]; ++k, at += item_size)
             *out++ = norma_ply_get_integer(at, property->type, header->encoding);
-        row = row_end(state, element, row);
     }
-    return row != NULL;
+    return 1;
 }
 
 static norma_document_result fail_changed(norma_document *document, norma_document_error *error) {
@@ -445,7 +421,7 @@ static norma_document_result check_text_normals(norma_document *document,
 norma_document_result norma_ply_read_mesh(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const int whole = document->depth == NORMA_DOCUMENT_WHOLE;
-    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    const ply_element *vertex = norma_ply_vertex(state);
     if (vertex->count > UINT32_MAX) return fail_too_many(document, error);
     state->vertices = (size_t)vertex->count;
     norma_document_result result = whole ? ply_read_positions(document, error) : NORMA_DOCUMENT_OK;

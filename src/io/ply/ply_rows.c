@@ -7,15 +7,14 @@
  * only lists in binary rows and text must be walked. Counts are bounded by the bytes that are there
  * before anything follows from them. */
 
-/* The bytes of one row, or 0 where it does not lie within the file or a count of a list is negative
- * (then *bad is where). */
-static size_t measure_row(
-    const ply_state *state, const ply_element *element, size_t begin, size_t *bad) {
+size_t norma_ply_measure_row(const ply_state *state, const ply_element *element, size_t begin,
+    int wanted, size_t *place, size_t *bad) {
     const ply_header *header = &state->header;
     size_t at = begin;
     for (size_t i = 0; i < element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, element, (int)i);
         size_t left = state->size - at;
+        if ((int)i == wanted) *place = at;
         size_t fixed = norma_ply_type_size(
             norma_ply_is_list(property) ? property->count_type : property->type);
         if (left < fixed) return 0;
@@ -44,7 +43,7 @@ static int are_triangles(
 static norma_document_result walk_lists(const norma_document *document, ply_element *element,
     size_t *end, norma_document_error *error) {
     const ply_state *state = document->state;
-    size_t at = *end, bad = SIZE_MAX;
+    size_t at = *end, unused, bad = SIZE_MAX;
     if (element->property_count == 1 &&
         norma_ply_property(&state->header, element, 0)->count_type == PLY_UINT8) {
         const size_t row_size =
@@ -56,7 +55,7 @@ static norma_document_result walk_lists(const norma_document *document, ply_elem
         }
     }
     for (uint64_t row = 0; row < element->count; ++row) {
-        size_t size = measure_row(state, element, at, &bad);
+        size_t size = norma_ply_measure_row(state, element, at, PLY_NONE, &unused, &bad);
         if (bad != SIZE_MAX)
             return norma_ply_fail_at(document, error, bad, "a list of negative length");
         if (size == 0) return norma_ply_fail_short(document, error, state->size, element, row);
@@ -104,10 +103,7 @@ typedef enum step_kind {
     STEP_COPY, /* size bytes of the old row */
     STEP_SKIP, /* size bytes of the old row are left out */
     STEP_SIDE, /* size bytes of an array, which moves on by stride each row */
-    STEP_VALUE,
-    STEP_LIST,
-    STEP_INDICES,
-    STEP_CORNERS
+    STEP_ITEM  /* what becomes of one property */
 } step_kind;
 
 typedef struct row_step {
@@ -157,7 +153,7 @@ static void add_value(row_writer *writer, const ply_item *item) {
                              .stride = 24,
                              .side = (const unsigned char *)item->column.doubles});
     else
-        add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
+        add_step(writer, (row_step){.kind = STEP_ITEM, .item = item});
 }
 
 /* Skips move behind the values that neighbour them, so that three replaced numbers are one step
@@ -173,12 +169,8 @@ static void binary_compile(row_writer *writer) {
         }
         if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
-        if (item->action == PLY_INDICES)
-            add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
-        else if (item->action == PLY_CORNERS)
-            add_step(writer, (row_step){.kind = STEP_CORNERS, .item = item});
-        else if (norma_ply_is_list(item->source))
-            add_step(writer, (row_step){.kind = STEP_LIST, .item = item});
+        if (item->action != PLY_COPY || norma_ply_is_list(item->source))
+            add_step(writer, (row_step){.kind = STEP_ITEM, .item = item});
         else
             add_step(
                 writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
@@ -257,6 +249,7 @@ static void put_corners(
 
 static const unsigned char *binary_run_step(
     row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number) {
+    const ply_item *item = step->item;
     switch (step->kind) {
     case STEP_COPY:
         norma_sink_put(writer->sink, at, step->size);
@@ -266,22 +259,22 @@ static const unsigned char *binary_run_step(
     case STEP_SIDE:
         norma_sink_put(writer->sink, step->side + step->stride * number, step->size);
         return at;
-    case STEP_VALUE:
-        ply_put_number(
-            writer, step->item->type, norma_ply_column_value(&step->item->column, number));
-        return at;
     default:
         break;
     }
-    const size_t size = norma_ply_property_size(&writer->state->header, step->item->source, at);
-    if (step->kind == STEP_LIST)
+    if (item->action == PLY_VALUE) {
+        ply_put_number(writer, item->type, norma_ply_column_value(&item->column, number));
+        return at;
+    }
+    const size_t size = norma_ply_property_size(&writer->state->header, item->source, at);
+    if (item->action == PLY_COPY)
         norma_sink_put(writer->sink, at, size);
-    else if (step->kind == STEP_CORNERS)
-        put_corners(writer, step->item, at, row);
+    else if (item->action == PLY_CORNERS)
+        put_corners(writer, item, at, row);
     else if (writer->plan->lists)
-        put_strip(writer, step->item, row);
+        put_strip(writer, item, row);
     else
-        put_face(writer, step->item, at);
+        put_face(writer, item, at);
     return at + size;
 }
 
@@ -360,19 +353,11 @@ static void make_slice(void *context, size_t index, norma_data_run *piece) {
 static norma_document_result write_slices(norma_document *document, const row_writer *writer,
     size_t row_size, norma_document_error *error) {
     const ply_plan *plan = writer->plan;
-    norma_sink *sink = writer->sink;
     row_slices slices = {.writer = writer,
         .row_size = row_size,
         .slices = ((size_t)plan->element->count + SLICE - 1) / SLICE};
-    norma_sink_flush(sink);
-    if (sink->failed) return NORMA_DOCUMENT_OK;
-    norma_ordered_result result =
-        norma_write_ordered((norma_ordered_how){document->threads, &document->watch},
-            slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices,
-            sink->write, sink->user);
-    sink->failed = result == NORMA_ORDERED_REFUSED;
-    return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error)
-                                          : NORMA_DOCUMENT_OK;
+    return norma_edited_put_ordered(document, writer->sink,
+        slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices, error);
 }
 
 static norma_document_result write_in_turn(

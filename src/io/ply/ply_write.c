@@ -36,6 +36,11 @@ static int ply_axis_of(const int properties[3], int property) {
     return PLY_NONE;
 }
 
+static ply_item copy_item(const ply_property *property) {
+    return (ply_item){
+        .source = property, .type = property->type, .count_type = property->count_type};
+}
+
 static ply_item value_item(const ply_property *source, ply_type type, ply_column column) {
     return (ply_item){.source = source,
         .action = PLY_VALUE,
@@ -70,8 +75,7 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
         const int position = ply_axis_of(header->position, i),
                   normal = ply_axis_of(header->normal, i);
         ply_item *item = &plan->items[count++];
-        *item = (ply_item){
-            .source = property, .type = property->type, .count_type = property->count_type};
+        *item = copy_item(property);
         if (has_positions && position != PLY_NONE)
             *item = value_item(
                 property, edit->position_types[position], position_column(edit, position));
@@ -125,8 +129,7 @@ static void plan_faces(const ply_state *state, ply_plan *plan) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
         const int normal = ply_axis_of(header->face_normal, i);
         ply_item *item = &plan->items[i];
-        *item = (ply_item){
-            .source = property, .type = property->type, .count_type = property->count_type};
+        *item = copy_item(property);
         if (edit->corners && i == header->face_list) {
             item->action = PLY_INDICES;
             item->type = edit->added_count ? ply_widen(property->type, highest_index(state), 0)
@@ -210,11 +213,8 @@ static norma_document_result plan_strips(
     norma_document *document, ply_plan *plan, ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
     const ply_header *header = &state->header;
-    for (int i = 0; i < (int)plan->element->property_count; ++i) {
-        const ply_property *property = norma_ply_property(header, plan->element, i);
-        plan->items[i] = (ply_item){
-            .source = property, .type = property->type, .count_type = property->count_type};
-    }
+    for (int i = 0; i < (int)plan->element->property_count; ++i)
+        plan->items[i] = copy_item(norma_ply_property(header, plan->element, i));
     plan->item_count = plan->element->property_count;
     if (!state->edit.corners || header->strip_list == PLY_NONE) return NORMA_DOCUMENT_OK;
     norma_document_result result = encode_strips(document, plan->element, lists, error);

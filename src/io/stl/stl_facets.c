@@ -162,16 +162,11 @@ norma_document_result norma_stl_write_binary(
     norma_document *document, norma_sink *sink, norma_document_error *error) {
     stl_state *state = document->state;
     norma_sink_put(sink, state->bytes, STL_HEADER);
-    norma_sink_flush(sink);
-    if (sink->failed) return NORMA_DOCUMENT_OK;
-    norma_ordered_result result =
-        norma_write_ordered((norma_ordered_how){document->threads, &document->watch},
-            (state->facets + SLICE - 1) / SLICE, make_facets, state, sink->write, sink->user);
-    if (result == NORMA_ORDERED_MEMORY) return norma_document_fail_memory(document, error);
-    sink->failed = result != NORMA_ORDERED_OK;
+    const norma_document_result result = norma_edited_put_ordered(
+        document, sink, (state->facets + SLICE - 1) / SLICE, make_facets, state, error);
     const size_t end = STL_HEADER + state->facets * STL_FACET;
     norma_sink_put(sink, state->bytes + end, state->size - end);
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 /* ---- STL as text: "solid NAME", facets, "endsolid NAME", as often as one likes; words
