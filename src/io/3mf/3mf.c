@@ -143,17 +143,13 @@ static norma_document_result tmf_unread(norma_document *document, norma_document
 
 /* ---- changing */
 
-static norma_document_result refuse_normals(norma_document *document, norma_document_error *error) {
-    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-        "3MF has no normals: the order of a triangle's vertices says where outward is; check --fix "
-        "corrects that");
-}
-
 static norma_document_result tmf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error) {
     (void)options, (void)summary;
-    return refuse_normals(document, error);
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+        "3MF has no normals: the order of a triangle's vertices says where outward is; check --fix "
+        "corrects that");
 }
 
 static norma_document_result tmf_transform(norma_document *document,

@@ -211,17 +211,10 @@ norma_document_result norma_document_prepare(norma_document *document, const cha
 
 static norma_document_result save_document(norma_document *document, const char *path,
     const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
-    size_t at;
-    const norma_document_result result =
-        norma_document_prepare(document, path, options, writers, error);
-    if (result) return result;
-    const int failed = norma_file_writers_commit(writers->list, writers->count, &at);
-    if (failed) norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
-    for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
-    document->replaced |= !failed && options->in_place && norma_file_same(path, document->path);
-    return !failed            ? NORMA_DOCUMENT_OK
-           : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY
-                              : NORMA_DOCUMENT_ERROR_FILE;
+    norma_document_result result = norma_document_prepare(document, path, options, writers, error);
+    if (!result) result = norma_document_commit(writers, error);
+    document->replaced |= !result && options->in_place && norma_file_same(path, document->path);
+    return result;
 }
 
 norma_document_result norma_document_save(norma_document *document, const char *path,

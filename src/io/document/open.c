@@ -24,9 +24,16 @@ static const format_functions *format_functions_of(norma_file_format format) {
     }
 }
 
-static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory,
-    const norma_document_options *given, norma_document **document, norma_document_error *error) {
+/* missing: what should have been given; NULL: nothing. */
+static norma_document_result open_with(const char *missing, const char *name, int has_folder,
+    const file_bytes *memory, const norma_document_options *given, norma_document **document,
+    norma_document_error *error) {
     norma_document_options options;
+    norma_document_clear(error);
+    if (!document) missing = "no place for the document was given";
+    if (document) *document = NULL;
+    if (missing)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", missing);
     norma_document_copy_options(
         &options, sizeof options, offsetof(norma_document_options, lenient), given);
     norma_document *made = norma_document_make(name, has_folder, &options);
@@ -60,27 +67,13 @@ static norma_document_result open_with(const char *name, int has_folder, const f
 
 norma_document_result norma_document_open(const char *path, const norma_document_options *options,
     norma_document **document, norma_document_error *error) {
-    norma_document_clear(error);
-    if (!document)
-        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "no place for the document was given");
-    *document = NULL;
-    if (!path)
-        return norma_document_fail(
-            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path was given");
-    return open_with(path, 1, NULL, options, document, error);
+    return open_with(path ? NULL : "no path was given", path, 1, NULL, options, document, error);
 }
 
 norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name,
     const norma_document_options *options, norma_document **document, norma_document_error *error) {
-    norma_document_clear(error);
-    if (!document)
-        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "no place for the document was given");
-    *document = NULL;
-    if (!bytes && size)
-        return norma_document_fail(
-            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no bytes were given");
+    const char *missing = !bytes && size ? "no bytes were given" : NULL;
     const file_bytes source = {.data = bytes ? bytes : (const void *)"", .size = size};
-    return open_with(name ? name : "<memory>", name != NULL, &source, options, document, error);
+    return open_with(
+        missing, name ? name : "<memory>", name != NULL, &source, options, document, error);
 }

@@ -57,22 +57,19 @@ norma_document_result norma_document_fail(const norma_document *document,
 }
 
 void norma_document_system_text(int system_error, char *text, size_t room) {
-    if (system_error == FILE_CHANGED)
-        snprintf(text, room, "another program has changed it since it was read");
-    else if (system_error == FILE_IN_USE)
-        snprintf(text, room, "another program is replacing it at this moment");
-    else if (system_error == FILE_NOT_REGULAR)
-        snprintf(text, room, "it is a device or a pipe, not a regular file");
-    else if (system_error == FILE_NOT_FLUSHED)
-        snprintf(text, room,
-            "the new file is in its place and complete, but its folder could not be flushed: a "
-            "power cut may bring the old one back");
-    else if (system_error == FILE_ATTRIBUTES)
-        snprintf(text, room, "its access list or extended attributes could not be kept");
-    else if (system_error == FILE_CANCELLED)
-        snprintf(text, room, "cancelled");
-    else if (norma_system_text(system_error))
-        snprintf(text, room, "%s", norma_system_text(system_error));
+    static const char *const own[] = {
+        [-FILE_CHANGED] = "another program has changed it since it was read",
+        [-FILE_IN_USE] = "another program is replacing it at this moment",
+        [-FILE_NOT_REGULAR] = "it is a device or a pipe, not a regular file",
+        [-FILE_NOT_FLUSHED] = "the new file is in its place and complete, but its folder could not "
+                              "be flushed: a power cut may bring the old one back",
+        [-FILE_ATTRIBUTES] = "its access list or extended attributes could not be kept",
+        [-FILE_CANCELLED] = "cancelled"};
+    const char *known = system_error < 0 && -system_error < (int)(sizeof own / sizeof *own)
+                            ? own[-system_error]
+                            : norma_system_text(system_error);
+    if (known)
+        snprintf(text, room, "%s", known);
     else
         snprintf(text, room, "error %d of the system", system_error);
 }
@@ -223,6 +220,15 @@ int norma_document_add_folder(companion_writers *writers, const char *path) {
     else
         folders[writers->folder_count++] = copy;
     return error;
+}
+
+norma_document_result norma_document_commit(
+    companion_writers *writers, norma_document_error *error) {
+    size_t at;
+    const int failed = norma_file_writers_commit(writers->list, writers->count, &at);
+    for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
+    return failed ? norma_document_fail_file(writers->paths[at], error, "cannot be written", failed)
+                  : NORMA_DOCUMENT_OK;
 }
 
 void norma_document_free_writers(companion_writers *writers, int abandon) {

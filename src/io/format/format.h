@@ -69,7 +69,7 @@ typedef struct companion_writers { /* freed by who made it; paths: what messages
     uint64_t
         size; /* bytes of all files beside the document, also of those that are there already */
 } companion_writers;
-/* format.c, these four. 0: memory is out, and the writer is abandoned. */
+/* format.c, these five. 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
 /* What one of them replaces must be the file of this stamp; which is renewed, unless they outlive
  * it.
@@ -78,6 +78,9 @@ void norma_document_expect(
     const companion_writers *writers, file_writer *writer, file_stamp *stamp);
 /* Makes a folder for them if it does not exist. Returns 0 or errno. */
 int norma_document_add_folder(companion_writers *writers, const char *path);
+/* All into place, or none; none is left to abandon. */
+norma_document_result norma_document_commit(
+    companion_writers *writers, norma_document_error *error);
 void norma_document_free_writers(companion_writers *writers, int abandon);
 
 typedef struct given_buffer { /* a buffer file of a .gltf that is not on the disk yet */

@@ -21,23 +21,16 @@ typedef struct stl_state {
     double *vertices; /* nine for each facet */
 } stl_state;
 
-/* stl_facets.c: is given the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero
- * stops: the rest of the text is not wanted, and the result is fine. */
-typedef struct stl_word {
-    const char *text, *end;
-} stl_word;
-typedef int stl_visitor(
-    void *user, size_t facet, int part, const stl_word words[3], const double values[3]);
-norma_document_result norma_stl_scan(
-    norma_document *document, stl_visitor *visit, void *user, norma_document_error *error);
+/* stl_facets.c */
 norma_document_result norma_stl_read_text(
     norma_document *document, norma_document_error *error); /* facets and name */
 norma_document_result norma_stl_decode_text(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_write_text(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
-/* A number of a normal, or of a vertex, as text that gets one. */
-size_t norma_stl_format(const stl_state *state, int is_normal, double value, char text[32]);
+norma_document_result norma_stl_edit_text(norma_document *document, const norma_mesh_edit *edit,
+    norma_sink *sink, norma_document_error *error);
+void norma_stl_edit_binary(const stl_state *state, const norma_mesh_edit *edit, norma_sink *sink);
 
 /* Facets are flat. */
 norma_document_result norma_stl_check_shading(const norma_document *document,

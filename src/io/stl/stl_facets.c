@@ -1,5 +1,6 @@
-/* stl_facets.c: binary STL: 80 bytes of anything, the number of facets, then 50 bytes for each,
- * little-endian: normal, three vertices, two bytes of attributes. */
+/* stl_facets.c: facets read, written and edited. Binary STL: 80 bytes of anything, the number of
+ * facets, then 50 bytes for each, little-endian: normal, three vertices, two bytes of attributes.
+ */
 #include "io/stl/stl.h"
 #include "io/text/text.h"
 #include <stdio.h>
@@ -169,10 +170,57 @@ norma_document_result norma_stl_write_binary(
     return result;
 }
 
+/* Facets reversed, left out, their normals and corners replaced: the bytes of all others are
+ * copied.
+ */
+
+static void edit_facet(unsigned char *at, const norma_mesh_edit *edit, size_t facet) {
+    unsigned char second[12];
+    for (size_t corner = 3 * facet; corner < 3 * facet + 3; ++corner)
+        if (norma_edit_says(edit->set_positions, corner)) {
+            const double *p = edit->positions + 3 * corner;
+            const float moved[3] = {(float)p[0], (float)p[1], (float)p[2]};
+            store_floats(at + STL_NORMAL + 12 * (corner - 3 * facet), moved, 3);
+        }
+    if (norma_edit_says(edit->reverse_faces, facet)) {
+        memcpy(second, at + STL_NORMAL + 12, 12);
+        memcpy(at + STL_NORMAL + 12, at + STL_NORMAL + 24, 12);
+        memcpy(at + STL_NORMAL + 24, second, 12);
+    }
+    if (norma_edit_says(edit->set_normals, facet)) store_floats(at, edit->normals + 3 * facet, 3);
+}
+
+void norma_stl_edit_binary(const stl_state *state, const norma_mesh_edit *edit, norma_sink *sink) {
+    unsigned char header[STL_HEADER];
+    const unsigned char *at = state->bytes + STL_HEADER;
+    size_t kept = 0;
+    for (size_t facet = 0; facet < state->facets; ++facet)
+        kept += !norma_edit_says(edit->drop_faces, facet);
+    memcpy(header, state->bytes, STL_HEADER);
+    for (int i = 0; i < 4; ++i) header[80 + i] = (unsigned char)(kept >> 8 * i);
+    norma_sink_put(sink, header, STL_HEADER);
+    for (size_t facet = 0; facet < state->facets; ++facet, at += STL_FACET) {
+        unsigned char copy[STL_FACET];
+        if (norma_edit_says(edit->drop_faces, facet)) continue;
+        memcpy(copy, at, STL_FACET);
+        edit_facet(copy, edit, facet);
+        norma_sink_put(sink, copy, STL_FACET);
+    }
+    norma_sink_put(sink, at, state->size - (size_t)(at - state->bytes));
+}
+
 /* ---- STL as text: "solid NAME", facets, "endsolid NAME", as often as one likes; words
  * in any case, white space of any kind between them. Writing scans the text again and replaces
  * single numbers, so that all else stays as it is. A scan that is stopped jumps
  * to the end of the text. */
+
+typedef struct stl_word {
+    const char *text, *end;
+} stl_word;
+/* Is given the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero stops: the
+ * rest of the text is not wanted, and the result is fine. */
+typedef int stl_visitor(
+    void *user, size_t facet, int part, const stl_word words[3], const double values[3]);
 
 typedef struct text_scanner {
     norma_document *document;
@@ -362,7 +410,7 @@ static text_scanner scanner_of(norma_document *document, norma_document_error *e
         .end = begin + state->size};
 }
 
-norma_document_result norma_stl_scan(
+static norma_document_result stl_scan(
     norma_document *document, stl_visitor *visit, void *user, norma_document_error *error) {
     text_scanner scanner = scanner_of(document, error);
     scanner.visit = visit;
@@ -406,7 +454,7 @@ norma_document_result norma_stl_decode_text(norma_document *document, norma_docu
         state->facets > SIZE_MAX / 72 ? NULL : norma_io_allocate(state->facets, 9 * sizeof(double));
     state->stored = norma_io_allocate(state->facets, 3 * sizeof(float));
     if (!state->positions || !state->stored) return norma_document_fail_memory(document, error);
-    return norma_stl_scan(document, stl_take_numbers, state, error);
+    return stl_scan(document, stl_take_numbers, state, error);
 }
 
 /* ---- writing */
@@ -417,7 +465,8 @@ typedef struct text_copier {
     const char *at; /* up to where the old text has been copied */
 } text_copier;
 
-size_t norma_stl_format(const stl_state *state, int is_normal, double value, char text[32]) {
+/* A number of a normal, or of a vertex, as text that gets one. */
+static size_t stl_format(const stl_state *state, int is_normal, double value, char text[32]) {
     if (is_normal) return norma_number_format_normal((float)value, text);
     return state->many_digits ? norma_number_format_double(value, text)
                               : norma_number_format_float((float)value, text);
@@ -439,7 +488,7 @@ static int replace_numbers(
             (value != value && values[axis] != values[axis]))
             continue;
         norma_sink_put(copier->sink, copier->at, (size_t)(words[axis].text - copier->at));
-        norma_sink_put(copier->sink, text, norma_stl_format(state, part == 0, value, text));
+        norma_sink_put(copier->sink, text, stl_format(state, part == 0, value, text));
         copier->at = words[axis].end;
     }
     return 0;
@@ -450,7 +499,104 @@ norma_document_result norma_stl_write_text(
     const stl_state *state = document->state;
     const char *begin = (const char *)state->bytes;
     text_copier copier = {.state = state, .sink = sink, .at = begin};
-    norma_document_result result = norma_stl_scan(document, replace_numbers, &copier, error);
+    norma_document_result result = stl_scan(document, replace_numbers, &copier, error);
     norma_sink_put(sink, copier.at, (size_t)(begin + state->size - copier.at));
+    return result;
+}
+
+/* ---- editing: the same as in binary files; what stands between numbers stays */
+
+typedef struct text_editor {
+    const stl_state *state;
+    const norma_mesh_edit *edit;
+    norma_sink *sink;
+    const char *begin, *at, *end; /* copied up to at */
+    stl_word second[3];           /* the second corner of a facet that is reversed */
+} text_editor;
+
+/* From the numbers of a facet's normal back over "facet normal", and over what stands before it on
+ * its line if that is blank. */
+static const char *facet_begin(const text_editor *editor, const char *normal) {
+    const char *p = normal;
+    for (int words = 0; words < 2; ++words) {
+        while (p > editor->begin && norma_is_blank(p[-1])) --p;
+        while (p > editor->begin && !norma_is_blank(p[-1])) --p;
+    }
+    while (p > editor->at && (p[-1] == ' ' || p[-1] == '\t')) --p;
+    return p;
+}
+
+/* From the end of its last number over "endloop endfacet" and the line's end. */
+static const char *facet_end(const text_editor *editor, const char *last) {
+    const char *p = last;
+    for (int words = 0; words < 2; ++words) {
+        while (p < editor->end && norma_is_blank(*p)) ++p;
+        while (p < editor->end && !norma_is_blank(*p)) ++p;
+    }
+    while (p < editor->end && (*p == ' ' || *p == '\t' || *p == '\r')) ++p;
+    return p < editor->end && *p == '\n' ? p + 1 : p;
+}
+
+static void stl_copy_to(text_editor *editor, const char *to) {
+    if (to > editor->at) norma_sink_put(editor->sink, editor->at, (size_t)(to - editor->at));
+    editor->at = to;
+}
+
+static void put_numbers(
+    text_editor *editor, const stl_word words[3], const double numbers[3], int unit) {
+    for (int axis = 0; axis < 3; ++axis) {
+        char text[32];
+        const size_t length = stl_format(editor->state, unit, numbers[axis], text);
+        stl_copy_to(editor, words[axis].text);
+        norma_sink_put(editor->sink, text, length);
+        editor->at = words[axis].end;
+    }
+}
+
+static int edit_part(
+    void *user, size_t facet, int part, const stl_word words[3], const double values[3]) {
+    text_editor *editor = user;
+    const norma_mesh_edit *edit = editor->edit;
+    (void)values;
+    if (norma_edit_says(edit->drop_faces, facet)) {
+        if (part == 0)
+            stl_copy_to(editor, facet_begin(editor, words[0].text));
+        else if (part == 3)
+            editor->at = facet_end(editor, words[2].end);
+        return 0;
+    }
+    if (part == 0 && norma_edit_says(edit->set_normals, facet)) {
+        const float *n = edit->normals + 3 * facet;
+        const double numbers[3] = {(double)n[0], (double)n[1], (double)n[2]};
+        put_numbers(editor, words, numbers, 1);
+    }
+    if (part > 0 && norma_edit_says(edit->set_positions, 3 * facet + (size_t)part - 1))
+        put_numbers(editor, words, edit->positions + 3 * (3 * facet + (size_t)part - 1), 0);
+    if (!norma_edit_says(edit->reverse_faces, facet)) return 0;
+    if (part == 2) memcpy(editor->second, words, sizeof editor->second);
+    if (part == 3) { /* the numbers change places, what stands between them does not */
+        stl_copy_to(editor, editor->second[0].text);
+        norma_sink_put(editor->sink, words[0].text, (size_t)(words[2].end - words[0].text));
+        editor->at = editor->second[2].end;
+        stl_copy_to(editor, words[0].text);
+        norma_sink_put(editor->sink, editor->second[0].text,
+            (size_t)(editor->second[2].end - editor->second[0].text));
+        editor->at = words[2].end;
+    }
+    return 0;
+}
+
+norma_document_result norma_stl_edit_text(norma_document *document, const norma_mesh_edit *edit,
+    norma_sink *sink, norma_document_error *error) {
+    const stl_state *state = document->state;
+    const char *begin = (const char *)state->bytes;
+    text_editor editor = {.state = state,
+        .edit = edit,
+        .sink = sink,
+        .begin = begin,
+        .at = begin,
+        .end = begin + state->size};
+    norma_document_result result = stl_scan(document, edit_part, &editor, error);
+    stl_copy_to(&editor, editor.end);
     return result;
 }

@@ -309,50 +309,6 @@ static const char *parse_exponent(const char *text, const char *end, int64_t *ex
     return p;
 }
 
-#if NORMA_DIGITS_BY_WORD && defined(__SIZEOF_INT128__)
-/* Adds the digits at *p to the mantissa and returns how many they were; -1: too near the end of the
- * text for a whole word. More than 19 in all are no matter here. */
-static int take_digits(const char **p, const char *end, uint64_t *mantissa) {
-    static const uint64_t scale[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
-    int taken = 0, count;
-    do {
-        if (end - *p < 8) return -1;
-        const uint64_t bytes = norma_digits_load(*p);
-        count = norma_digits_count(bytes);
-        if (count == 0) break;
-        *mantissa = *mantissa * scale[count] + norma_digits_join(bytes, count);
-        *p += count;
-        taken += count;
-    } while (count == 8 && taken < 24);
-    return taken;
-}
-
-/* A sign, digits, a point, digits: at most 19, as shortest doubles have them. NULL: something else,
- * or it cannot be told from here. */
-static const char *parse_plain(const char *text, const char *end, double *value) {
-    const char *p = text;
-    uint64_t mantissa = 0;
-    const int negative = p < end && *p == '-';
-    p += negative;
-    const int whole = take_digits(&p, end, &mantissa);
-    if (whole < 0 || p >= end || *p != '.') return NULL;
-    ++p;
-    const int decimals = take_digits(&p, end, &mantissa);
-    if (decimals < 0 || whole + decimals == 0 || whole + decimals > 19 || p >= end ||
-        (*p | 0x20) == 'e' || *p == '#' || FLT_EVAL_METHOD != 0)
-        return NULL;
-    double magnitude = mantissa <= UINT64_C(1) << 53 ? (double)mantissa / power_of_ten[decimals]
-                                                     : number_wide_to_double(mantissa, -decimals);
-    *value = negative ? -magnitude : magnitude;
-    return p;
-}
-#else
-static const char *parse_plain(const char *text, const char *end, double *value) {
-    (void)text, (void)end, (void)value;
-    return NULL;
-}
-#endif
-
 static const char *parse_any(const char *text, const char *end, double *value) {
     long_decimal number = {0, 0, NULL, NULL, 0};
     const char *p = text;
@@ -407,7 +363,6 @@ static const char *parse_any(const char *text, const char *end, double *value) {
 const char *norma_number_parse(const char *text, const char *end, double *value) {
     uint64_t digits;
     const char *next = norma_digits_plain(text, end, value, &digits);
-    if (!next) next = parse_plain(text, end, value);
     return next ? next : parse_any(text, end, value);
 }
 
@@ -500,19 +455,18 @@ static uint64_t scale_exact(uint64_t mantissa, int binary, int decimal) {
 /* The same, in 128 bits where they hold it. */
 static uint64_t scale(uint64_t mantissa, int binary, int decimal) {
 #if defined(__SIZEOF_INT128__)
-    __extension__ typedef unsigned __int128 wide;
     if (decimal >= -27 && decimal <= 27) {
         uint64_t five = 1;
         for (int i = decimal < 0 ? -decimal : decimal; i; --i) five *= 5;
         int shift = binary + decimal;
         if (decimal >= 0 && shift <= 0) {
-            wide product = (wide)mantissa * five;
+            wide_word product = (wide_word)mantissa * five;
             return shift == 0     ? (uint64_t)product
                    : shift < -120 ? 0
                                   : (uint64_t)(((product >> (-shift - 1)) + 1) >> 1);
         }
         if (decimal < 0 && shift >= 0 && shift < 64)
-            return (uint64_t)((((wide)mantissa << (shift + 1)) / five + 1) >> 1);
+            return (uint64_t)((((wide_word)mantissa << (shift + 1)) / five + 1) >> 1);
     }
 #endif
     return scale_exact(mantissa, binary, decimal);
@@ -556,9 +510,7 @@ static int reads_back(double value, int is_float, uint64_t digits, int exponent)
 
 /* number * 10^exponent, rounded once: powers up to the 22nd are doubles. */
 static double times_power(double number, int exponent) {
-    static const double power[] = {
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
-    return exponent < 0 ? number / power[-exponent] : number * power[exponent];
+    return exponent < 0 ? number / power_of_ten[-exponent] : number * power_of_ten[exponent];
 }
 
 /* The middle between two floats, neither of them subnormal: a bit more than a float has. */

@@ -530,16 +530,12 @@ static void close_gaps(companion_writers *writers) {
 
 static norma_document_result together_commit(together_run *run) {
     companion_writers *writers = &run->writers;
-    size_t at;
-    const norma_document_result result = join_equal_outputs(run);
+    norma_document_result result = join_equal_outputs(run);
     if (result) return result;
     close_gaps(writers);
     if (!writers->count) return NORMA_DOCUMENT_OK;
-    const int failed = norma_file_writers_commit(writers->list, writers->count, &at);
-    for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
-    if (failed)
-        return norma_document_fail_file(
-            writers->paths[at], run->error, "cannot be written", failed);
+    result = norma_document_commit(writers, run->error);
+    if (result) return result;
     norma_document_free_writers(writers, 0);
     *writers = (companion_writers){0};
     return NORMA_DOCUMENT_OK;
