@@ -89,19 +89,22 @@ static int read_regular(
     return error;
 }
 
+/* The descriptor is -1, or to be closed also after an error. */
+static int open_regular(const char *path, int *descriptor, struct stat *status) {
+    do *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block here */
+    while (*descriptor < 0 && errno == EINTR);
+    if (*descriptor < 0 || fstat(*descriptor, status)) return errno;
+    if (S_ISDIR(status->st_mode)) return EISDIR;
+    return S_ISREG(status->st_mode) ? 0 : FILE_NOT_REGULAR;
+}
+
 int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes) {
     *bytes = (file_bytes){0};
     int descriptor;
-    do descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block here */
-    while (descriptor < 0 && errno == EINTR);
-    if (descriptor < 0) return errno;
     struct stat status;
-    int error = fstat(descriptor, &status) ? errno : 0;
-    if (!error && S_ISDIR(status.st_mode)) error = EISDIR;
-    if (!error)
-        error = S_ISREG(status.st_mode) ? read_regular(descriptor, how, &status, bytes)
-                                        : FILE_NOT_REGULAR;
-    close(descriptor);
+    int error = open_regular(path, &descriptor, &status);
+    if (!error) error = read_regular(descriptor, how, &status, bytes);
+    if (descriptor >= 0) close(descriptor);
     return error;
 }
 
@@ -188,26 +191,19 @@ struct file_window {
     file_stamp stamp;
 };
 
-static int file_look_at(file_window *window) {
-    struct stat status;
-    if (fstat(window->descriptor, &status)) return errno;
-    if (S_ISDIR(status.st_mode)) return EISDIR;
-    window->stamp = norma_file_stamp_of(&status);
-    return S_ISREG(status.st_mode) ? 0 : FILE_NOT_REGULAR;
-}
-
 int norma_window_open(const char *path, file_window **window) {
     file_window *made = calloc(1, sizeof *made);
     *window = NULL;
+    struct stat status;
     if (!made) return ENOMEM;
-    do made->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block */
-    while (made->descriptor < 0 && errno == EINTR);
-    const int error = made->descriptor < 0 ? errno : file_look_at(made);
-    if (error)
+    const int error = open_regular(path, &made->descriptor, &status);
+    if (error) {
         norma_window_close(made);
-    else
-        *window = made;
-    return error;
+        return error;
+    }
+    made->stamp = norma_file_stamp_of(&status);
+    *window = made;
+    return 0;
 }
 
 void norma_window_close(file_window *window) {

@@ -29,36 +29,52 @@ static int folder_open(const char *path, int *descriptor) {
     return *descriptor < 0 && errno != EACCES && errno != EPERM ? errno : 0;
 }
 
-static int folder_flush(int descriptor) {
+static int flush_descriptor(int descriptor) {
     int failed;
     do failed = fsync(descriptor);
     while (failed && errno == EINTR);
-    const int error = failed ? errno : 0;
+    return failed ? errno : 0;
+}
+
+static int folder_flush(int descriptor) {
+    const int error = flush_descriptor(descriptor);
     return error == EINVAL || error == EBADF || error == ENOTSUP || error == EROFS ? 0 : error;
 }
 
-/* What path lies in. */
-static int flush_parent(const char *path) {
+static size_t folder_length(const char *path) {
     const char *slash = strrchr(path, '/');
-    const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
-    char *parent = malloc(length + 2);
-    int descriptor = -1;
-    if (!parent) return ENOMEM;
-    memcpy(parent, path, length);
-    memcpy(parent + length, ".", 2);
-    int error = folder_open(parent, &descriptor);
-    free(parent);
-    if (descriptor >= 0) {
-        error = folder_flush(descriptor);
-        close(descriptor);
-    }
+    return slash ? (size_t)(slash - path) + 1 : 0;
+}
+
+/* The first folder bytes of path, then name; NULL: out of memory. */
+static char *file_join(const char *path, size_t folder, const char *name) {
+    size_t length = strlen(name);
+    char *joined = malloc(folder + length + 1);
+    if (!joined) return NULL;
+    memcpy(joined, path, folder);
+    memcpy(joined + folder, name, length + 1);
+    return joined;
+}
+
+/* That of path, open. */
+static int open_folder_of(const char *path, int *descriptor) {
+    char *folder = file_join(path, folder_length(path), ".");
+    const int error = folder ? folder_open(folder, descriptor) : ENOMEM;
+    free(folder);
+    return error;
+}
+
+static int flush_folder_of(const char *path) {
+    int descriptor = -1, error = open_folder_of(path, &descriptor);
+    if (!error && descriptor >= 0) error = folder_flush(descriptor);
+    if (descriptor >= 0) close(descriptor);
     return error;
 }
 
 int norma_folder_make(const char *path, int *made) {
     *made = mkdir(path, 0777) == 0;
     if (!*made) return errno == EEXIST ? 0 : errno;
-    const int error = flush_parent(path);
+    const int error = flush_folder_of(path);
     if (error) {
         norma_folder_remove(path);
         *made = 0;
@@ -194,21 +210,6 @@ struct file_writer {
 
 /* ---- names */
 
-static size_t folder_length(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? (size_t)(slash - path) + 1 : 0;
-}
-
-/* The first folder bytes of path, then name; NULL: out of memory. */
-static char *file_join(const char *path, size_t folder, const char *name) {
-    size_t length = strlen(name);
-    char *joined = malloc(folder + length + 1);
-    if (!joined) return NULL;
-    memcpy(joined, path, folder);
-    memcpy(joined + folder, name, length + 1);
-    return joined;
-}
-
 /* Follows the symbolic links at the end of path, also to a file that is not there yet. */
 static int file_resolve(const char *path, char **resolved) {
     char *current = file_join(path, 0, path), link[PATH_MAX + 1];
@@ -290,7 +291,6 @@ static int make_link(file_writer *writer, const char *temporary, mode_t mode) {
 }
 
 static int file_write_all(file_writer *writer, const unsigned char *bytes, size_t size);
-static int flush_descriptor(int descriptor);
 
 /* For a file system that gives no name to what it made without one: what was written is copied to a
  * file that has one. */
@@ -450,13 +450,6 @@ int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *by
     return 0;
 }
 
-static int flush_descriptor(int descriptor) {
-    int failed;
-    do failed = fsync(descriptor);
-    while (failed && errno == EINTR);
-    return failed ? errno : 0;
-}
-
 /* An asset may name thousands of files, and a process may have a thousand open: from some number on
  * each is closed under its temporary name, to be renamed later. */
 static int close_early(file_writer *writer) {
@@ -522,11 +515,8 @@ static int hold_expected(file_writer *writer) {
 
 /* The new name must survive a crash as well. */
 static int open_folder(file_writer *writer) {
-    if (!writer->nameless && !writer->temporary) return 0;
-    char *folder = file_join(writer->target, folder_length(writer->target), ".");
-    const int error = folder ? folder_open(folder, &writer->folder) : ENOMEM;
-    free(folder);
-    return error;
+    return writer->nameless || writer->temporary ? open_folder_of(writer->target, &writer->folder)
+                                                 : 0;
 }
 
 static int open_folder_early(file_writer *writer) {
@@ -623,16 +613,6 @@ static int flush_batch(file_writer **writers, size_t count) {
     return error;
 }
 
-static int flush_folder_of(const char *target, size_t length) {
-    int descriptor = -1;
-    char *folder = file_join(target, length, ".");
-    int error = folder ? folder_open(folder, &descriptor) : ENOMEM;
-    if (!error && descriptor >= 0) error = folder_flush(descriptor);
-    if (descriptor >= 0) close(descriptor);
-    free(folder);
-    return error;
-}
-
 /* The folders of a batch, each once where files of a folder follow each other. */
 static int flush_folders(file_writer **writers, size_t count) {
     const char *last = "";
@@ -646,7 +626,7 @@ static int flush_folders(file_writer **writers, size_t count) {
             continue;
         last = target;
         last_length = length;
-        error = flush_folder_of(target, length);
+        error = flush_folder_of(target);
     }
     return error ? FILE_NOT_FLUSHED : 0;
 }
