@@ -125,19 +125,17 @@ static norma_document_result tmf_instance_world(norma_document *document, size_t
 /* Extensions that are required, and not known here: what they add was not looked at. */
 static norma_document_result tmf_unread(norma_document *document, norma_document_error *error) {
     const tmf_state *state = document->state;
-    norma_unread *unread =
-        norma_scene_allocate(document->scene, state->required_count + 1, sizeof *unread);
-    if (!unread) return norma_document_fail_memory(document, error);
+    norma_unread *unread = norma_scene_tell_unread(document, state->required_count, error);
+    if (!unread) return NORMA_DOCUMENT_ERROR_MEMORY;
     for (size_t i = 0; i < state->required_count; ++i) {
         const tmf_required *required = &state->required[i];
         const size_t size = strlen(required->space) + 64;
         char *why = norma_scene_allocate(document->scene, size, 1);
+        if (!why) document->scene->unread = NULL;
         if (!why) return norma_document_fail_memory(document, error);
         snprintf(why, size, "requires %s, which is unknown to this version", required->space);
         unread[i] = (norma_unread){state->parts[required->part].name, why};
     }
-    document->scene->unread = unread;
-    document->scene->unread_count = state->required_count;
     return NORMA_DOCUMENT_OK;
 }
 

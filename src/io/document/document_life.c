@@ -74,7 +74,7 @@ norma_document *norma_document_make(
     norma_watch_begin(&document->watch, options->progress, options->progress_user);
     document->lenient = options->lenient;
     document->copied = options->copied;
-    document->scene = norma_scene_create();
+    document->scene = norma_io_allocate(1, sizeof *document->scene);
     if (document->scene && document->path && (document->folder || !has_folder)) return document;
     norma_document_close(document);
     return NULL;
@@ -127,7 +127,8 @@ void norma_document_close(norma_document *document) {
     for (size_t i = 0; document->tiles && i < document->tile_count; ++i)
         norma_document_close(document->tiles[i]);
     free(document->tiles);
-    norma_scene_destroy(document->scene);
+    norma_scene_forget(document->scene);
+    free(document->scene);
     for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
     free(document->notes);
     norma_file_close(&document->source);

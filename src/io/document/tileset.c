@@ -1,7 +1,6 @@
 /* tileset.c: the files that a tileset of 3D Tiles names as contents of its tiles, and those of the
  * tilesets that it names in turn. Source: OGC 18-053r2, 3D Tiles Specification 1.0, chapter 7; OGC
  * 22-025r4 (1.1) for several contents of a tile and for implicit tiling. */
-#include "core/call/table.h"
 #include "io/format/format.h"
 #include "io/gltf/gltf.h"
 #include "io/text/text.h"
@@ -11,10 +10,8 @@
 typedef struct tileset_walk {
     norma_visit_file *visit;
     void *user;
-    char **paths; /* of tilesets, each once; those from next on are to be read yet */
-    size_t next, count, capacity;
-    uint32_t *slots; /* a hash table of their numbers (core/call/table.h) */
-    size_t slot_count;
+    norma_names paths; /* of tilesets; those from next on are to be read yet */
+    size_t next;
     int stopped, moves; /* moves: a tile has a transform of its own, or a tileset in another */
 } tileset_walk;
 
@@ -24,46 +21,11 @@ static norma_document_result fail_tileset(const char *path, norma_document_error
     return norma_document_fail(&named, error, result, NULL, "%s%s", name, message);
 }
 
-typedef struct wanted_tileset {
-    char *const *paths;
-    const char *path;
-} wanted_tileset;
-
-static int is_wanted_tileset(const void *context, uint32_t number) {
-    const wanted_tileset *wanted = context;
-    return strcmp(wanted->paths[number], wanted->path) == 0;
-}
-
-static uint32_t *tileset_slot_of(const tileset_walk *walk, const char *path) {
-    const wanted_tileset wanted = {walk->paths, path};
-    return norma_core_table_find(walk->slots, walk->slot_count, norma_core_hash(path, strlen(path)),
-        is_wanted_tileset, &wanted);
-}
-
-static int grow_tileset_slots(tileset_walk *walk) {
-    const size_t size = norma_core_table_size(2 * (walk->count + 1));
-    uint32_t *slots = norma_io_allocate(size, sizeof *slots);
-    if (!slots) return 0;
-    free(walk->slots);
-    walk->slots = slots;
-    walk->slot_count = size;
-    for (uint32_t i = 0; i < walk->count; ++i) *tileset_slot_of(walk, walk->paths[i]) = i + 1;
-    return 1;
-}
-
 static norma_document_result add_tileset(
     tileset_walk *walk, const char *path, norma_document_error *error) {
-    if (2 * (walk->count + 1) > walk->slot_count && !grow_tileset_slots(walk))
-        return norma_document_fail_memory(NULL, error);
-    uint32_t *slot = tileset_slot_of(walk, path);
-    if (*slot) return NORMA_DOCUMENT_OK;
-    char **paths = norma_io_grow(walk->paths, &walk->capacity, walk->count + 1, sizeof *paths);
-    if (!paths) return norma_document_fail_memory(NULL, error);
-    walk->paths = paths;
-    paths[walk->count] = norma_io_copy_text(path, strlen(path));
-    if (!paths[walk->count]) return norma_document_fail_memory(NULL, error);
-    *slot = (uint32_t)++walk->count;
-    return NORMA_DOCUMENT_OK;
+    return norma_names_number(&walk->paths, path, strlen(path)) == UINT32_MAX
+               ? norma_document_fail_memory(NULL, error)
+               : NORMA_DOCUMENT_OK;
 }
 
 int norma_is_tileset(const char *path) {
@@ -177,11 +139,9 @@ static norma_document_result walk_tilesets(
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "no path or no function that receives the files was given");
     norma_document_result result = add_tileset(walk, path, error);
-    while (!result && !walk->stopped && walk->next < walk->count)
-        result = read_tileset(walk, walk->paths[walk->next++], error);
-    for (size_t i = 0; i < walk->count; ++i) free(walk->paths[i]);
-    free(walk->paths);
-    free(walk->slots);
+    while (!result && !walk->stopped && walk->next < walk->paths.count)
+        result = read_tileset(walk, walk->paths.list[walk->next++], error);
+    norma_names_free(&walk->paths);
     return result;
 }
 

@@ -315,6 +315,15 @@ void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size) {
     return block->bytes;
 }
 
+norma_unread *norma_scene_tell_unread(
+    norma_document *document, size_t count, norma_document_error *error) {
+    norma_scene *scene = document->scene;
+    scene->unread = norma_scene_allocate(scene, count, sizeof *scene->unread);
+    scene->unread_count = scene->unread ? count : 0;
+    if (!scene->unread) norma_document_fail_memory(document, error);
+    return scene->unread;
+}
+
 char *norma_scene_text(norma_scene *scene, const char *text) {
     size_t length = strlen(text);
     char *copy = norma_scene_allocate(scene, length + 1, 1);
@@ -332,8 +341,6 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
     return both;
 }
 
-norma_scene *norma_scene_create(void) { return norma_io_allocate(1, sizeof(norma_scene)); }
-
 void norma_scene_forget(norma_scene *scene) {
     if (!scene) return;
     for (scene_block *block = scene->blocks, *next; block; block = next) {
@@ -341,12 +348,6 @@ void norma_scene_forget(norma_scene *scene) {
         free(block);
     }
     *scene = (norma_scene){0};
-}
-
-void norma_scene_destroy(norma_scene *scene) {
-    if (!scene) return;
-    norma_scene_forget(scene);
-    free(scene);
 }
 
 /* ---- Files whose changes wait beside the bytes that were read: opened, written,

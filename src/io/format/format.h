@@ -336,16 +336,18 @@ extern const scene_functions norma_gltf_scene;
 
 /* Zeroed memory that lives as long as the document; NULL: none is left. */
 void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size);
+/* Places for so many things that were not read, which the scene then tells; NULL, with the error:
+ * out of memory. */
+norma_unread *norma_scene_tell_unread(
+    norma_document *document, size_t count, norma_document_error *error);
 /* Whether bytes hold nothing: blanks, line ends and zeros only. */
 int norma_is_padding(const unsigned char *bytes, size_t size);
 char *norma_scene_text(norma_scene *scene, const char *text);
 /* Two lists of rules as one, with a comma between them where both have something. */
 char *norma_scene_join(norma_scene *scene, const char *first, const char *second);
 
-norma_scene *norma_scene_create(void);
-void norma_scene_destroy(norma_scene *scene); /* NULL is fine */
-void norma_scene_forget(
-    norma_scene *scene); /* what was told is no longer so: the file's bytes are others now */
+/* What was told is no longer so: the file's bytes are others now. NULL is fine. */
+void norma_scene_forget(norma_scene *scene);
 
 /* ---- Single faces and vectors of a document changed, for norma_document_edit. Each format has
  * a file of its own. */

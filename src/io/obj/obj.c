@@ -2,7 +2,6 @@
  * one. */
 #include "io/obj/obj.h"
 #include "core/call/call.h"
-#include "core/call/table.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,69 +54,11 @@ typedef struct walk {
     size_t texcoord_count, texcoord_room;
     uint32_t *corner_texcoords; /* of each corner */
     size_t corner, face;
-    const char **names; /* of materials, in the order of their first use */
-    size_t name_count, name_room;
-    uint32_t *table; /* hash table of names: number + 1 */
-    size_t table_size;
+    norma_names materials;
     uint32_t *face_materials;
     uint32_t material; /* in force; UINT32_MAX: none */
     int failed;        /* out of memory */
 } walk;
-
-/* ---- names */
-
-typedef struct name_search {
-    const char *const *names;
-    const char *text;
-    size_t length;
-} name_search;
-
-static int has_name(const void *context, uint32_t number) {
-    const name_search *search = context;
-    const char *name = search->names[number];
-    return strlen(name) == search->length && memcmp(name, search->text, search->length) == 0;
-}
-
-static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
-    const name_search search = {w->names, text, length};
-    return norma_core_table_find(
-        w->table, w->table_size, norma_core_hash(text, length), has_name, &search);
-}
-
-static int scene_grow_table(walk *w) {
-    size_t larger = w->table_size ? 2 * w->table_size : 64;
-    uint32_t *table = norma_io_allocate(larger, sizeof *table);
-    if (!table) return 0;
-    free(w->table);
-    w->table = table;
-    w->table_size = larger;
-    for (size_t i = 0; i < w->name_count; ++i)
-        *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
-    return 1;
-}
-
-/* Texts with a zero byte in them end there. */
-static void use_material(walk *w, const char *text, size_t length) {
-    const char *zero = memchr(text, 0, length);
-    length = zero ? (size_t)(zero - text) : length;
-    if (2 * w->name_count >= w->table_size && !scene_grow_table(w)) {
-        w->failed = 1;
-        return;
-    }
-    uint32_t *slot = slot_of(w, text, length);
-    if (!*slot) {
-        const char **names =
-            norma_io_grow((void *)w->names, &w->name_room, w->name_count + 1, sizeof *names);
-        char *name = names ? norma_scene_allocate(w->document->scene, length + 1, 1) : NULL;
-        w->names = names ? names : w->names;
-        w->failed |= !name;
-        if (!name) return;
-        memcpy(name, text, length);
-        w->names[w->name_count] = name;
-        *slot = (uint32_t)++w->name_count;
-    }
-    w->material = *slot - 1;
-}
 
 /* ---- statements */
 
@@ -125,7 +66,9 @@ static void scene_read_material(walk *w, const char *p) {
     p = norma_obj_skip_blanks(p, w->end);
     const char *end = norma_obj_statement_end(p, w->end, NULL);
     while (end > p && norma_obj_is_blank(end[-1])) --end;
-    use_material(w, p, (size_t)(end - p));
+    const char *zero = memchr(p, 0, (size_t)(end - p)); /* a text ends there */
+    w->material = norma_names_number(&w->materials, p, (size_t)((zero ? zero : end) - p));
+    w->failed |= w->material == UINT32_MAX;
 }
 
 static void read_texcoord(walk *w, const char *p) {
@@ -218,13 +161,17 @@ static void scene_walk_all(walk *w) {
 
 static int keep_materials(walk *w) {
     norma_scene *scene = w->document->scene;
-    norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
+    const size_t count = w->materials.count;
+    norma_material_info *materials = norma_scene_allocate(scene, count, sizeof *materials);
     if (!materials) return 0;
-    for (size_t i = 0; i < w->name_count; ++i)
+    for (size_t i = 0; i < count; ++i) {
+        const char *name = norma_scene_text(scene, w->materials.list[i]);
+        if (!name) return 0;
         materials[i] = (norma_material_info){
-            .name = w->names[i], .where = "", .base_color = {1, 1, 1, 1}, .ignore = ""};
+            .name = name, .where = "", .base_color = {1, 1, 1, 1}, .ignore = ""};
+    }
     scene->materials = materials;
-    scene->material_count = w->name_count;
+    scene->material_count = count;
     return 1;
 }
 
@@ -306,21 +253,18 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
     w.failed = w.failed || !keep_materials(&w);
     if (!w.failed) scene->attributes = list;
     free(w.texcoords);
-    free((void *)w.names);
-    free(w.table);
+    norma_names_free(&w.materials);
     return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result scene_read_unread(
     norma_document *document, norma_document_error *error) {
     const obj_state *state = document->state;
-    norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
-    if (!unread) return norma_document_fail_memory(document, error);
-    *unread = (norma_unread){
-        .where = "", .why = "free-form surfaces are not read, only the polygons beside them"};
-    document->scene->unread = unread;
-    document->scene->unread_count = state->has_surfaces != 0;
-    return NORMA_DOCUMENT_OK;
+    norma_unread *unread = norma_scene_tell_unread(document, state->has_surfaces != 0, error);
+    if (unread && state->has_surfaces)
+        *unread = (norma_unread){
+            .where = "", .why = "free-form surfaces are not read, only the polygons beside them"};
+    return unread ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
 }
 
 static const scene_functions OBJ_SCENE = {.materials = walk_all, .unread = scene_read_unread};

@@ -95,9 +95,10 @@ static text_span obj_words_of(const char *p, const char *end) {
     return span;
 }
 
-static int has_corner(const char *p, const char *end) {
-    p = norma_obj_skip_blanks(p, end);
-    return p < end && !norma_obj_is_end(*p) && *p != '#';
+/* Whether a token stands at *p, then past blanks. */
+static inline int at_token(const char **p, const char *end) {
+    *p = norma_obj_skip_blanks(*p, end);
+    return *p < end && !norma_obj_is_end(**p) && **p != '#';
 }
 
 static int walk_text(
@@ -113,7 +114,7 @@ static int walk_text(
         const obj_kind kind = norma_obj_keyword(p, end, &rest);
         if (kind == OBJ_POSITION && positions < state->position_count)
             walk->positions[positions++] = obj_words_of(rest, end);
-        else if (kind == OBJ_FACE && has_corner(rest, end) && faces++ == face)
+        else if (kind == OBJ_FACE && at_token(&rest, end) && faces++ == face)
             walk->before_face = positions;
         walk->has_curves |= kind == OBJ_SURFACE || (kind == OBJ_REFERRING && rest - word > 1);
         p = norma_obj_skip_end(norma_obj_statement_end(rest, end, NULL), end);
@@ -392,17 +393,11 @@ static int obj_says(const writer *w, const obj_corner *corner, uint32_t normal) 
            (corner->has_normal && corner->normal == (int64_t)normal + 1);
 }
 
-/* Whether a token stands at *p, then past blanks. */
-static inline int at_token(const writer *w, const char **p) {
-    *p = norma_obj_skip_blanks(*p, w->end);
-    return *p < w->end && !norma_obj_is_end(**p) && **p != '#';
-}
-
 /* Returns the place behind the last corner. */
 static const char *rewrite_face(writer *w, const char *p) {
     const uint32_t *normals = w->state->corner_normals + norma_obj_face_start(w->state, w->face);
     obj_corner corner;
-    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+    for (; !obj_stops(w, p) && at_token(&p, w->end) && norma_obj_corner(p, w->end, &corner);
          p = corner.end, ++normals)
         if (!obj_says(w, &corner, *normals)) {
             copy_then_skip(w, corner.texture_end, corner.end);
@@ -415,7 +410,7 @@ static const char *rewrite_face(writer *w, const char *p) {
 static size_t gather_tokens(writer *w, const char *p) {
     size_t count = 0;
     obj_corner corner;
-    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+    for (; !obj_stops(w, p) && at_token(&p, w->end) && norma_obj_corner(p, w->end, &corner);
          p = corner.end) {
         const char **token = norma_io_add(&w->tokens, &count, &w->token_room, sizeof *token);
         w->out_of_memory |= !token;
@@ -499,7 +494,7 @@ static void renumber_face(writer *w, const char *p) {
     const uint32_t *numbers = w->state->vertices->corners + norma_obj_face_start(w->state, w->face);
     const size_t before = lines_before(w, 1);
     obj_corner corner;
-    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+    for (; !obj_stops(w, p) && at_token(&p, w->end) && norma_obj_corner(p, w->end, &corner);
          p = corner.end)
         put_position(w, &corner, *numbers++, before);
 }
@@ -508,7 +503,7 @@ static void renumber_face(writer *w, const char *p) {
 static void renumber_referring(writer *w, const char *p) {
     const size_t before = lines_before(w, 0);
     obj_corner corner;
-    for (; !obj_stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !obj_stops(w, p) && at_token(&p, w->end); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner)) continue;
         const uint32_t old = norma_obj_resolve(corner.position, w->position);
         if (old < w->state->position_count && w->state->vertices->numbers[old] != OBJ_NO_VERTEX)
@@ -523,7 +518,7 @@ static int is_dropped(const writer *w, size_t position) {
 
 static void rewrite_referring(writer *w, const char *p) {
     obj_corner corner;
-    for (; !obj_stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !obj_stops(w, p) && at_token(&p, w->end); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner) || !corner.has_normal) continue;
         uint32_t normal = w->state->other_normals[w->other++];
         if (!obj_says(w, &corner, normal)) {
@@ -543,7 +538,8 @@ static const char *statement_end(const writer *w, const char *p) {
 static const char *write_face(writer *w, const char *begin, const char *p) {
     const obj_state *state = w->state;
     const char *first = p;
-    if (!at_token(w, &first)) return statement_end(w, first); /* not a face: it has no corners */
+    if (!at_token(&first, w->end))
+        return statement_end(w, first); /* not a face: it has no corners */
     const size_t face = w->face;
     const int drops = state->drop_faces && state->drop_faces[face];
     if (state->vertices && state->vertices->face == face) {

@@ -335,10 +335,10 @@ static norma_document_result stl_give_mesh(
 static norma_document_result stl_read_unread(
     norma_document *document, norma_document_error *error) {
     const stl_state *state = document->state;
-    norma_scene *scene = document->scene;
-    norma_unread *unread = norma_scene_allocate(scene, 1, sizeof *unread);
-    char *texts = norma_scene_allocate(scene, 2, sizeof(char[120]));
-    if (!unread || !texts) return norma_document_fail_memory(document, error);
+    char *texts = norma_scene_allocate(document->scene, 2, sizeof(char[120]));
+    if (!texts) return norma_document_fail_memory(document, error);
+    norma_unread *unread = norma_scene_tell_unread(document, state->tail > 0, error);
+    if (!unread) return NORMA_DOCUMENT_ERROR_MEMORY;
     if (state->tail) {
         snprintf(texts, 120, "byte %zu", state->tail);
         const size_t size = state->size - state->tail;
@@ -350,8 +350,6 @@ static norma_document_result stl_read_unread(
                 size / STL_FACET);
         *unread = (norma_unread){texts, texts + 120};
     }
-    scene->unread = unread;
-    scene->unread_count = state->tail > 0;
     return NORMA_DOCUMENT_OK;
 }
 

@@ -1,5 +1,6 @@
 /* stream.c: bytes on their way: work that threads share, sinks, files made piece by piece in order,
- * and rows that are equal. */
+ * texts and rows that are
+ * equal. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/stream/stream.h"
 #include "core/call/call.h"
@@ -256,6 +257,60 @@ norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
     free(l.pieces);
     free(l.made);
     return result;
+}
+
+/* ---- Texts in a table by their hash. */
+
+typedef struct name_search {
+    char *const *names;
+    const char *text;
+    size_t length;
+} name_search;
+
+static int has_name(const void *context, uint32_t number) {
+    const name_search *search = context;
+    const char *name = search->names[number];
+    return strlen(name) == search->length && memcmp(name, search->text, search->length) == 0;
+}
+
+static uint32_t *name_slot(const norma_names *names, const char *text, size_t length) {
+    const name_search search = {names->list, text, length};
+    return norma_core_table_find(
+        names->slots, names->slot_count, norma_core_hash(text, length), has_name, &search);
+}
+
+static int grow_name_slots(norma_names *names) {
+    const size_t size = norma_core_table_size(2 * (names->count + 1));
+    uint32_t *slots = norma_io_allocate(size, sizeof *slots);
+    if (!slots) return 0;
+    free(names->slots);
+    names->slots = slots;
+    names->slot_count = size;
+    for (size_t i = 0; i < names->count; ++i)
+        *name_slot(names, names->list[i], strlen(names->list[i])) = (uint32_t)i + 1;
+    return 1;
+}
+
+uint32_t norma_names_number(norma_names *names, const char *text, size_t length) {
+    if (2 * (names->count + 1) > names->slot_count && !grow_name_slots(names)) return UINT32_MAX;
+    uint32_t *slot = name_slot(names, text, length);
+    if (*slot) return *slot - 1;
+    char *copy = norma_io_copy_text(text, length);
+    char **name =
+        copy ? norma_io_add(&names->list, &names->count, &names->room, sizeof *name) : NULL;
+    if (!name) {
+        free(copy);
+        return UINT32_MAX;
+    }
+    *name = copy;
+    *slot = (uint32_t)names->count;
+    return *slot - 1;
+}
+
+void norma_names_free(norma_names *names) {
+    for (size_t i = 0; i < names->count; ++i) free(names->list[i]);
+    free(names->list);
+    free(names->slots);
 }
 
 /* ---- Rows of bytes in a table by their hash; what is told is by comparing all bytes. */

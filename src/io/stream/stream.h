@@ -99,6 +99,19 @@ typedef struct norma_ordered_how {
 norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
     norma_make_data_run *make, void *context, norma_write *write, void *user);
 
+/* ---- Texts, each once, numbered in the order of their first use. */
+
+typedef struct norma_names {
+    char **list;
+    size_t count, room;
+    uint32_t *slots; /* a hash table of their numbers (core/call/table.h) */
+    size_t slot_count;
+} norma_names;
+
+/* The number of a text; UINT32_MAX: out of memory. */
+uint32_t norma_names_number(norma_names *names, const char *text, size_t length);
+void norma_names_free(norma_names *names);
+
 /* ---- Of rows of bytes, which equal one before them. */
 
 typedef const unsigned char *norma_row_of(const void *context, size_t row, size_t *length);

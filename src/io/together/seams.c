@@ -54,11 +54,6 @@ static norma_document_result fail_seams(
     return norma_document_fail(&named, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "%s", what);
 }
 
-static norma_document_result fail_votes_file(
-    const char *path, norma_document_error *error, int failed) {
-    return norma_document_fail_file(path, error, "cannot be read", failed);
-}
-
 static const char NO_VOTES[] =
     "is not a file of votes; expected a file that norma seams votes or merge wrote";
 static const char DAMAGED[] = "damaged votes: a checksum does not match; make the file again";
@@ -235,7 +230,7 @@ static norma_document_result read_table_and_sums(
     if (!failed) failed = norma_window_read(window, at, s->sums, (size_t)blocks * sizeof *s->sums);
     if (!failed)
         failed = norma_window_read(window, at + blocks * sizeof *s->sums, &rest, sizeof rest);
-    if (failed) return fail_votes_file(s->path, error, failed);
+    if (failed) return norma_document_fail_file(s->path, error, "cannot be read", failed);
     return rest == sum_of_rest(&s->head, s->names, s->sums) ? NORMA_DOCUMENT_OK
                                                             : fail_seams(s->path, error, DAMAGED);
 }
@@ -245,7 +240,7 @@ static norma_document_result read_all_but_records(
     const uint64_t size = norma_window_stamp(window)->size;
     if (size < sizeof s->head) return fail_seams(s->path, error, NO_VOTES);
     const int failed = norma_window_read(window, 0, &s->head, sizeof s->head);
-    if (failed) return fail_votes_file(s->path, error, failed);
+    if (failed) return norma_document_fail_file(s->path, error, "cannot be read", failed);
     const char *wrong = wrong_head(&s->head, size);
     return wrong ? fail_seams(s->path, error, wrong) : read_table_and_sums(s, window, error);
 }
@@ -259,7 +254,7 @@ norma_document_result norma_seams_open(
     if (!s) return norma_document_fail_memory(NULL, error);
     s->path = path;
     const int failed = norma_window_open(path, &window);
-    if (failed) return fail_votes_file(path, error, failed);
+    if (failed) return norma_document_fail_file(path, error, "cannot be read", failed);
     const norma_document_result result = read_all_but_records(s, window, error);
     norma_window_close(window);
     return result;
@@ -290,11 +285,11 @@ static norma_document_result read_votes_block(seams *s, norma_document_error *er
     const size_t size = s->count * sizeof *s->some;
     file_window *window;
     int failed = norma_window_open(s->path, &window);
-    if (failed) return fail_votes_file(s->path, error, failed);
+    if (failed) return norma_document_fail_file(s->path, error, "cannot be read", failed);
     failed =
         norma_window_read(window, first_of_records(s) + first * sizeof *s->some, s->some, size);
     norma_window_close(window);
-    if (failed) return fail_votes_file(s->path, error, failed);
+    if (failed) return norma_document_fail_file(s->path, error, "cannot be read", failed);
     int sound = norma_core_hash(s->some, size) == s->sums[block];
     for (size_t i = 0; i < s->count && sound; ++i)
         sound = is_sound(&s->some[i], i ? &s->some[i - 1] : NULL);

@@ -69,30 +69,17 @@ static int tool_set_weld(settings *s, const char *word) {
     return tool_refuse(s, word, "expected exact, none or a distance from 0 up in the file's unit");
 }
 
-typedef int set_option(settings *s, const char *word);
-
-static const struct {
-    const char *name;
-    set_option *set;
-} VALUES[] = {
-    {"--weight", tool_set_weight},
-    {"--weld", tool_set_weld},
-};
-enum { VALUE_COUNT = sizeof VALUES / sizeof *VALUES };
+static int takes_value(const char *name) {
+    return strcmp(name, "--weight") == 0 || strcmp(name, "--weld") == 0 || strcmp(name, "-o") == 0;
+}
 
 /* An option with a value; 0: refused. */
 static int set_value(settings *s, const char *name, const char *value) {
     if (!value) return tool_refuse(s, name, "needs a value");
-    for (size_t i = 0; i < VALUE_COUNT; ++i)
-        if (strcmp(name, VALUES[i].name) == 0) return VALUES[i].set(s, value);
+    if (strcmp(name, "--weight") == 0) return tool_set_weight(s, value);
+    if (strcmp(name, "--weld") == 0) return tool_set_weld(s, value);
     s->job.output = value;
     return 1;
-}
-
-static int takes_value(const char *name) {
-    for (size_t i = 0; i < VALUE_COUNT; ++i)
-        if (strcmp(name, VALUES[i].name) == 0) return 1;
-    return strcmp(name, "-o") == 0;
 }
 
 static int set_flag(settings *s, const char *word) {

@@ -220,19 +220,15 @@ static norma_result mpi_order_faces(
 
 /* ---- which positions here are one */
 
-typedef struct number_keys {
-    const uint64_t *numbers;
-} number_keys;
-
 static void hash_numbers(const void *context, size_t first, size_t count, uint64_t *hashes) {
-    const number_keys *keys = context;
+    const uint64_t *numbers = context;
     for (size_t i = 0; i < count; ++i)
-        hashes[i] = norma_core_weld_mix(keys->numbers[first + i] * UINT64_C(0x9e3779b97f4a7c15));
+        hashes[i] = norma_core_weld_mix(numbers[first + i] * UINT64_C(0x9e3779b97f4a7c15));
 }
 
 static int same_number(const void *context, uint32_t one, uint32_t other) {
-    const number_keys *keys = context;
-    return keys->numbers[one] == keys->numbers[other];
+    const uint64_t *numbers = context;
+    return numbers[one] == numbers[other];
 }
 
 static int numbers_ascend(const uint64_t *numbers, size_t count) {
@@ -244,8 +240,7 @@ static int numbers_ascend(const uint64_t *numbers, size_t count) {
 norma_result norma_mpi_weld_numbers(
     core_call *core, const uint64_t *numbers, size_t count, uint32_t **weld) {
     size_t found;
-    const number_keys context = {numbers};
-    const weld_keys keys = {count, &context, hash_numbers, same_number};
+    const weld_keys keys = {count, numbers, hash_numbers, same_number};
     *weld = NULL;
     if (numbers_ascend(numbers, count)) return NORMA_OK;
     uint32_t *map = norma_core_allocate(core, count, sizeof *map);

@@ -84,10 +84,6 @@ void norma_mpi_add_tallies(const mpi_call *call, core_tally *tally) {
 
 enum { FEW_QUERIES = 48, QUERIES_AT_ONCE = 1 << 14 };
 
-typedef struct query {
-    double point[3];
-} query;
-
 typedef struct found {
     core_segment to; /* from the point that asks */
     uint64_t id;     /* UINT64_MAX: nobody has a normal */
@@ -175,14 +171,14 @@ static uint32_t first_site(const sites *s) {
 }
 
 /* For a point that is not finite: the first of all, as far from it as any. */
-static found find_here(const sites *s, uint32_t first, const query *q) {
+static found find_here(const sites *s, uint32_t first, const double point[3]) {
     found f = {.id = UINT64_MAX};
     if (!s->count) return f;
-    const int finite = norma_core_finite(q->point);
+    const int finite = norma_core_finite(point);
     const uint32_t v = !finite      ? first
-                       : s->planted ? norma_core_kdtree_nearest(&s->tree, q->point)
-                                    : mpi_look_at_every_site(s, q->point);
-    memcpy(f.to.from, q->point, sizeof f.to.from);
+                       : s->planted ? norma_core_kdtree_nearest(&s->tree, point)
+                                    : mpi_look_at_every_site(s, point);
+    memcpy(f.to.from, point, sizeof f.to.from);
     if (finite)
         mpi_reach(s, v, &f.to);
     else
@@ -212,8 +208,8 @@ static void keep_nearer(void *in, void *inout, int *count, MPI_Datatype *type) {
 typedef struct asking {
     sites *sites;
     const uint8_t *reasons;
-    size_t next;       /* the first position that has not asked */
-    query *mine, *all; /* room for QUERIES_AT_ONCE of this rank, of all ranks */
+    size_t next;                  /* the first position that has not asked */
+    double (*mine)[3], (*all)[3]; /* points; room for QUERIES_AT_ONCE of this rank, of all ranks */
     found *found;
     uint32_t *askers; /* the positions of mine */
     int *counts, *starts;
@@ -227,7 +223,7 @@ static int gather_mine(asking *a, int most) {
     for (; a->next < a->sites->part->positions && count < most; ++a->next) {
         if (!a->reasons[a->next]) continue;
         a->askers[count] = (uint32_t)a->next;
-        norma_core_position(&a->sites->mesh, (uint32_t)a->next, a->mine[count++].point);
+        norma_core_position(&a->sites->mesh, (uint32_t)a->next, a->mine[count++]);
     }
     return count;
 }
@@ -253,7 +249,7 @@ static int ask_some(asking *a) {
         (uint64_t)mine * sizeof *a->mine * (uint64_t)(call->ranks - 1);
     MPI_Allgatherv(
         a->mine, mine, a->query_type, a->all, a->counts, a->starts, a->query_type, call->comm);
-    for (int i = 0; i < all; ++i) a->found[i] = find_here(a->sites, a->first, &a->all[i]);
+    for (int i = 0; i < all; ++i) a->found[i] = find_here(a->sites, a->first, a->all[i]);
     MPI_Allreduce(MPI_IN_PLACE, a->found, all, a->found_type, a->nearer, call->comm);
     for (int i = 0; i < mine; ++i) {
         const found *f = &a->found[a->starts[call->rank] + i];
@@ -289,7 +285,7 @@ static void close_asking(asking *a, size_t room) {
 }
 
 static void ask_all(asking *a) {
-    MPI_Type_contiguous((int)sizeof(query), MPI_BYTE, &a->query_type);
+    MPI_Type_contiguous((int)sizeof *a->all, MPI_BYTE, &a->query_type);
     MPI_Type_contiguous((int)sizeof(found), MPI_BYTE, &a->found_type);
     MPI_Type_commit(&a->query_type);
     MPI_Type_commit(&a->found_type);
