@@ -121,13 +121,6 @@ static inline int norma_large_bits_any(const large_bits *bits, size_t begin, siz
     return norma_large_bits_before(bits, end) > norma_large_bits_before(bits, begin);
 }
 
-/* ---- What is counted over the parts of a file. */
-
-/* An element without a normal: counted by its reason, with the first one's number. */
-void norma_large_count_reason(norma_report *report, uint8_t reason, size_t element);
-/* first: added to the number of the first one counted. */
-void norma_large_add_count(norma_count *sum, const norma_count *count, size_t first);
-
 /* ---- What a large file becomes, on its way to its place. */
 
 typedef struct large_output {
@@ -207,13 +200,9 @@ static inline void norma_large_scratch_position(
         position[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
 }
 
-/* Rows of the output. */
-typedef struct large_row {
-    size_t size, normal[3]; /* bytes; where a normal's numbers lie */
-} large_row;
 /* Writes the header of the output, whose only change is its normals, and chooses their types. */
 norma_document_result norma_large_ply_write_header(
-    large_ply *ply, norma_write *write, void *user, large_row *row);
+    large_ply *ply, norma_write *write, void *user, ply_row *row);
 /* The stored normals of a block, to be freed; NULL: there are none. */
 norma_document_result norma_large_ply_stored(
     large_ply *ply, size_t first, size_t count, double **stored);

@@ -4,6 +4,24 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* ---- What is counted over the parts of a file. */
+
+/* first: added to the number of the first one counted. */
+static void add_part_count(norma_count *sum, const norma_count *count, size_t first) {
+    if (count->count == 0) return;
+    const size_t lowest = first + count->first;
+    if (sum->count == 0 || lowest < sum->first) sum->first = lowest;
+    sum->count += count->count;
+}
+
+/* An element without a normal: counted by its reason, with the first one's number. */
+static void count_part_reason(norma_report *report, uint8_t reason, size_t element) {
+    const norma_count one = {1, 0};
+    if (reason == NORMA_REASON_NON_FINITE) add_part_count(&report->non_finite, &one, element);
+    if (reason == NORMA_REASON_UNREFERENCED) add_part_count(&report->unreferenced, &one, element);
+    if (reason == NORMA_REASON_CANCELLED) add_part_count(&report->cancelled, &one, element);
+}
+
 /* ---- A binary STL read block by block. */
 
 norma_document_result norma_large_stl_open(large_file *file, large_stl *stl) {
@@ -265,8 +283,8 @@ static norma_document_result passes_compute_block(stl_passes *p, size_t first, s
     norma_document_result result = norma_large_stl_read(&p->stl, first, count);
     if (!result) result = measure_block(p, count, &report);
     if (!result) {
-        norma_large_add_count(&summary->report.degenerate_faces, &report.degenerate_faces, first);
-        norma_large_add_count(&summary->report.non_finite, &report.non_finite, first);
+        add_part_count(&summary->report.degenerate_faces, &report.degenerate_faces, first);
+        add_part_count(&summary->report.non_finite, &report.non_finite, first);
         result = choose_normals(p, first, count);
     }
     if (result) return result;
@@ -369,7 +387,7 @@ typedef struct ply_passes {
     size_t without_count;
     large_output output;
     uint64_t rows_begin; /* in the output */
-    large_row row;
+    ply_row row;
     int had;         /* normals were there */
     int only_broken; /* and most of them stay */
 } ply_passes;
@@ -420,7 +438,7 @@ static norma_document_result passes_write_block(
     norma_document_result result = norma_large_ply_stored(&p->ply, first, count, &stored);
     if (result) return result;
     result =
-        norma_ply_encode_normals(file->document, edit->normal_types, normals, count, file->error);
+        norma_ply_encode_normals(file->document, edit->normals.types, normals, count, file->error);
     for (size_t i = 0; stored && !p->only_broken && i < 3 * count; ++i)
         normals[i] = norma_policy_keep_zero(normals[i], stored[i]);
     if (stored && !p->job->policy.summary->changed)
@@ -442,7 +460,7 @@ static norma_document_result passes_write_part(ply_passes *p, const large_part *
             if (!part->reasons[at + i]) continue;
             norma_large_bits_set(&p->without, first + i);
             ++p->without_count;
-            norma_large_count_reason(&summary->report, part->reasons[at + i], first + i);
+            count_part_reason(&summary->report, part->reasons[at + i], first + i);
         }
         result = passes_write_block(p, first, count, part->normals + 3 * at, part->reasons + at);
         if (!result)
@@ -484,8 +502,7 @@ static norma_document_result run_passes(ply_passes *p, double from, double to) {
             from + (to - from) * (double)part.end / (double)vertices);
         result = compute_part(p, &part);
         if (!result) result = passes_write_part(p, &part);
-        norma_large_add_count(
-            &p->job->policy.summary->report.degenerate_faces, &part.degenerate, 0);
+        add_part_count(&p->job->policy.summary->report.degenerate_faces, &part.degenerate, 0);
         begin = part.end;
         norma_large_part_close(&p->parts, &part);
     }
@@ -516,9 +533,9 @@ static norma_document_result patch_row(ply_passes *p, uint32_t vertex, const dou
         const double value = (double)kept;
         if (stored && memcmp(&value, &stored[axis], sizeof value) != 0)
             p->job->policy.summary->changed = 1;
-        norma_ply_put(bytes, edit->normal_types[axis], p->ply.state->header.encoding, value);
+        norma_ply_put(bytes, edit->normals.types[axis], p->ply.state->header.encoding, value);
         result = norma_large_output_patch(&p->output, row_place(p, vertex) + p->row.normal[axis],
-            bytes, norma_ply_type_size(edit->normal_types[axis]));
+            bytes, norma_ply_type_size(edit->normals.types[axis]));
     }
     free(stored);
     return result;
@@ -527,17 +544,17 @@ static norma_document_result patch_row(ply_passes *p, uint32_t vertex, const dou
 static norma_document_result fill_one(void *context, uint32_t vertex, uint32_t source) {
     ply_passes *p = context;
     const ply_edit *edit = &p->ply.state->edit;
-    const ply_type type = edit->normal_types[2];
+    const ply_type type = edit->normals.types[2];
     double normal[3] = {0, 0, type == PLY_INT8 ? 127 : type == PLY_INT16 ? 32767 : 1};
     for (int axis = 0; axis < 3 && source != UINT32_MAX; ++axis) {
         unsigned char bytes[8];
         norma_document_result result =
             norma_large_output_read(&p->output, row_place(p, source) + p->row.normal[axis], bytes,
-                norma_ply_type_size(edit->normal_types[axis]));
+                norma_ply_type_size(edit->normals.types[axis]));
         if (result) return result;
         /* A zero may have the sign of the one that it replaced. */
         normal[axis] =
-            norma_ply_get(bytes, edit->normal_types[axis], p->ply.state->header.encoding) + 0.0;
+            norma_ply_get(bytes, edit->normals.types[axis], p->ply.state->header.encoding) + 0.0;
     }
     return patch_row(p, vertex, normal);
 }
@@ -571,7 +588,7 @@ static norma_document_result restore_block(ply_passes *p, size_t first, size_t c
         if (norma_large_bits_has(&p->without, first + i)) --p->job->policy.summary->filled;
         for (int axis = 0; axis < 3; ++axis)
             norma_ply_put(rows + i * p->row.size + p->row.normal[axis],
-                p->ply.state->edit.normal_types[axis], header->encoding,
+                p->ply.state->edit.normals.types[axis], header->encoding,
                 stored[3 * i + (size_t)axis]);
     }
     if (!result)
@@ -636,7 +653,7 @@ static norma_document_result begin_output(ply_passes *p) {
     for (int axis = 0; axis < 3 && p->had; ++axis)
         p->job->policy.summary->changed |=
             norma_ply_property(header, p->ply.vertex, header->normal[axis])->type !=
-            edit->normal_types[axis];
+            edit->normals.types[axis];
     if (!result) result = norma_large_output_result(&p->output);
     norma_large_stage(p->file, 0.27, 0.28);
     if (!result) result = norma_large_output_copy(&p->output, header->body, p->ply.vertex->begin);
@@ -689,7 +706,7 @@ static norma_document_result passes_compute(ply_passes *p) {
         if (result || !broken) return result ? result : copy_whole(p);
     }
     summary->changed = !p->had;
-    norma_large_add_count(&summary->report.degenerate_faces, &p->survey.empty, 0);
+    add_part_count(&summary->report.degenerate_faces, &p->survey.empty, 0);
     return passes_compute_all(p);
 }
 

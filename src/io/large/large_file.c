@@ -20,18 +20,19 @@ static void release_claim(large_budget *budget, size_t count, size_t size) {
     budget->used -= count && size ? count * size : 1;
 }
 
-void *norma_large_take(large_budget *budget, size_t count, size_t size) {
+static void *take_block(large_budget *budget, size_t count, size_t size, int zeroed) {
     const size_t bytes = claim(budget, count, size);
-    void *block = bytes ? malloc(bytes) : NULL;
+    void *block = !bytes ? NULL : zeroed ? calloc(bytes, 1) : malloc(bytes);
     if (bytes && !block) release_claim(budget, count, size);
     return block;
 }
 
+void *norma_large_take(large_budget *budget, size_t count, size_t size) {
+    return take_block(budget, count, size, 0);
+}
+
 void *norma_large_take_zeroed(large_budget *budget, size_t count, size_t size) {
-    const size_t bytes = claim(budget, count, size);
-    void *block = bytes ? calloc(bytes, 1) : NULL;
-    if (bytes && !block) release_claim(budget, count, size);
-    return block;
+    return take_block(budget, count, size, 1);
 }
 
 void norma_large_give(large_budget *budget, void *block, size_t count, size_t size) {
@@ -128,24 +129,6 @@ size_t norma_large_bits_count(large_bits *bits) {
 size_t norma_large_bits_before(const large_bits *bits, size_t index) {
     const uint64_t below = (UINT64_C(1) << (index & 63)) - 1;
     return bits->before[index / 64] + ones(bits->words[index / 64] & below);
-}
-
-/* ---- What is counted over the parts of a file. */
-
-void norma_large_add_count(norma_count *sum, const norma_count *count, size_t first) {
-    if (count->count == 0) return;
-    const size_t lowest = first + count->first;
-    if (sum->count == 0 || lowest < sum->first) sum->first = lowest;
-    sum->count += count->count;
-}
-
-void norma_large_count_reason(norma_report *report, uint8_t reason, size_t element) {
-    const norma_count one = {1, 0};
-    if (reason == NORMA_REASON_NON_FINITE)
-        norma_large_add_count(&report->non_finite, &one, element);
-    if (reason == NORMA_REASON_UNREFERENCED)
-        norma_large_add_count(&report->unreferenced, &one, element);
-    if (reason == NORMA_REASON_CANCELLED) norma_large_add_count(&report->cancelled, &one, element);
 }
 
 /* ---- A file that is read through a window, in order or by place. */

@@ -220,33 +220,31 @@ norma_document_result norma_large_ply_stored(
     return result;
 }
 
-/* As the writer asks for it while it plans. */
-static norma_document_result write_with(large_ply *ply, float *normals, norma_write *write,
-    void *user,
-    norma_document_result (*part)(norma_document *, norma_sink *, norma_document_error *)) {
+/* The header, with its rows, or the vertices that are looked at. Normals as the writer asks for
+ * them while it plans. */
+static norma_document_result write_with(
+    large_ply *ply, float *normals, ply_row *row, norma_write *write, void *user) {
     large_file *file = ply->file;
     norma_sink *sink = norma_sink_create(write, user);
     if (!sink) return norma_large_fail_memory(file);
-    ply->state->edit.normals = normals;
-    const norma_document_result result = part(file->document, sink, file->error);
-    ply->state->edit.normals = NULL;
+    ply->state->edit.normals.floats = normals;
+    const norma_document_result result =
+        row ? norma_ply_write_header(file->document, sink, row, file->error)
+            : norma_ply_write_vertices(file->document, sink, file->error);
+    ply->state->edit.normals.floats = NULL;
     norma_sink_finish(sink);
     return result;
 }
 
 norma_document_result norma_large_ply_write_header(
-    large_ply *ply, norma_write *write, void *user, large_row *row) {
+    large_ply *ply, norma_write *write, void *user, ply_row *row) {
     const ply_header *header = &ply->state->header;
-    ply_edit *edit = &ply->state->edit;
+    ply_type *types = ply->state->edit.normals.types;
     float unit[3] = {0, 0, 1};
-    edit->normal_types[0] = edit->normal_types[1] = edit->normal_types[2] = PLY_FLOAT;
+    types[0] = types[1] = types[2] = PLY_FLOAT;
     if (header->normal[0] != PLY_NONE)
-        norma_ply_normal_types(header, ply->vertex, header->normal, edit->normal_types);
-    const norma_document_result result = write_with(ply, unit, write, user, norma_ply_write_header);
-    edit->normals = unit;
-    row->size = norma_ply_written_row(ply->file->document, row->normal, ply->file->error);
-    edit->normals = NULL;
-    return result || row->size ? result : norma_large_fail_memory(ply->file);
+        norma_ply_normal_types(header, ply->vertex, header->normal, types);
+    return write_with(ply, unit, row, write, user);
 }
 
 norma_document_result norma_large_ply_write_rows(
@@ -255,7 +253,7 @@ norma_document_result norma_large_ply_write_rows(
     const unsigned char *rows = rows_of(ply, first, count, &result);
     if (!rows) return result;
     const large_view before = look_at_rows(ply, rows, count);
-    result = write_with(ply, normals, write, user, norma_ply_write_vertices);
+    result = write_with(ply, normals, NULL, write, user);
     look_away(ply, &before);
     return result;
 }

@@ -155,11 +155,11 @@ static norma_document_result edit_normals(
         codes ? read_columns(document, state->header.normal, &values, error)
               : norma_document_fail_memory(document, error);
     if (!result) {
-        norma_ply_normal_types(&state->header, vertex, state->header.normal, change->normal_types);
+        norma_ply_normal_types(&state->header, vertex, state->header.normal, change->normals.types);
         for (size_t i = 0; i < count; ++i)
             if (norma_edit_says(edit->set_normals, i))
                 memcpy(codes + 3 * i, edit->normals + 3 * i, 3 * sizeof *codes);
-        result = norma_ply_encode_normals(document, change->normal_types, codes, count, error);
+        result = norma_ply_encode_normals(document, change->normals.types, codes, count, error);
     }
     for (size_t i = 0; !result && i < count; ++i)
         for (size_t axis = 0; axis < 3 && norma_edit_says(edit->set_normals, i); ++axis)
@@ -168,7 +168,7 @@ static norma_document_result edit_normals(
     if (result)
         free(values);
     else
-        change->stored_normals = values;
+        change->normals.doubles = values;
     return result;
 }
 
@@ -179,13 +179,13 @@ static norma_document_result edit_positions(
     const size_t count = vertex_count(state, edit),
                  kept = edit->source_vertices ? norma_edit_kept(edit) : count;
     norma_document_result result =
-        read_columns(document, state->header.position, &state->edit.positions, error);
+        read_columns(document, state->header.position, &state->edit.positions.doubles, error);
     for (int axis = 0; axis < 3; ++axis)
-        state->edit.position_types[axis] =
+        state->edit.positions.types[axis] =
             norma_ply_property(&state->header, vertex, state->header.position[axis])->type;
     for (size_t i = 0; !result && i < count; ++i)
         if (norma_edit_says(edit->set_positions, i))
-            memcpy(state->edit.positions + 3 * ply_place_of(state, edit, kept, i),
+            memcpy(state->edit.positions.doubles + 3 * ply_place_of(state, edit, kept, i),
                 edit->positions + 3 * i, 3 * sizeof(double));
     return result;
 }
@@ -360,15 +360,15 @@ static norma_document_result ply_read_attributes(norma_document *document, size_
 static norma_document_result ply_read_unread(
     norma_document *document, norma_document_error *error) {
     const ply_state *state = document->state;
-    norma_scene *scene = document->scene;
-    norma_unread *unread = norma_scene_allocate(scene, 2, sizeof *unread);
-    char *texts = norma_scene_allocate(scene, 4, sizeof(char[120]));
-    size_t count = 0;
-    if (!unread || !texts) return norma_document_fail_memory(document, error);
+    char *texts = norma_scene_allocate(document->scene, 4, sizeof(char[120]));
+    if (!texts) return norma_document_fail_memory(document, error);
+    const size_t count = (size_t)(state->surplus_rows > 0) + (state->tail > 0);
+    norma_unread *unread = norma_scene_tell_unread(document, count, error);
+    if (!unread) return NORMA_DOCUMENT_ERROR_MEMORY;
     if (state->surplus_rows) {
         snprintf(texts, 120, "line %zu", norma_ply_line_of(state, state->first_surplus));
         norma_ply_surplus_text(state, texts + 120);
-        unread[count++] = (norma_unread){texts, texts + 120};
+        *unread++ = (norma_unread){texts, texts + 120};
     }
     if (state->tail) {
         texts += 240;
@@ -379,10 +379,8 @@ static norma_document_result ply_read_unread(
         snprintf(texts + 120, 120, "%zu %s the last element that the header declares",
             state->size - state->tail,
             state->size - state->tail == 1 ? "byte follows" : "bytes follow");
-        unread[count++] = (norma_unread){texts, texts + 120};
+        *unread = (norma_unread){texts, texts + 120};
     }
-    scene->unread = unread;
-    scene->unread_count = count;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -415,7 +413,7 @@ static norma_document_result describe_mesh(
     if (state->header.normal[0] != PLY_NONE) {
         info->normals = NORMA_NORMALS_PER_VERTEX;
         info->encoding = ply_encoding_of(state);
-    } else if (state->edit.normals || state->edit.stored_normals) {
+    } else if (state->edit.normals.floats || state->edit.normals.doubles) {
         info->normals = NORMA_NORMALS_PER_VERTEX;
         info->encoding = state->header.encoding == PLY_ASCII ? "text" : "float";
     }

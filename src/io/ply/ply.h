@@ -93,19 +93,23 @@ typedef struct ply_mesh { /* as decoded for the core; arrays are the state's */
     size_t triangle_count;
 } ply_mesh;
 
+/* Three values a row as they are stored (codes, for integers): floats, or doubles where floats
+ * would not hold all of them; or neither. */
+typedef struct ply_values {
+    float *floats;
+    double *doubles;
+    ply_type types[3];
+} ply_values;
+static inline int norma_ply_has_values(const ply_values *values) {
+    return values->floats || values->doubles;
+}
+
 /* Changes not yet in the bytes; all NULL or 0: none. */
 typedef struct ply_edit {
-    float *normals; /* of each output vertex, three values as they are stored (codes, for integers);
-                       or NULL */
-    double *stored_normals; /* the same in double precision, where old ones are kept among them; or
-                               NULL */
-    ply_type normal_types[3];
-    double *positions;      /* three for each vertex, or NULL */
-    float *float_positions; /* instead of them, where all three types are float; or NULL */
-    ply_type position_types[3];
-    float *face_normals; /* of the face element's own nx ny nz, or NULL */
-    ply_type face_normal_types[3];
-    uint32_t *added; /* the vertices that the new ones at the end are copies of */
+    ply_values normals;   /* of each output vertex */
+    ply_values positions; /* of each old vertex, and of added ones where single ones are edited */
+    ply_values face_normals; /* of the face element's own nx ny nz */
+    uint32_t *added;         /* the vertices that the new ones at the end are copies of */
     size_t added_count;
     uint32_t *corners;      /* new corners in the order of ply_mesh.corners, or NULL */
     int reversed;           /* the winding changed: other data of corners turns with it */
@@ -259,15 +263,15 @@ norma_document_result norma_ply_encode_normals(norma_document *document, const p
 /* ply_write.c, ply_rows.c, ply_text.c */
 norma_document_result norma_ply_write_changed(
     norma_document *document, norma_sink *sink, norma_document_error *error);
-/* With normals as the only change: the header alone; the rows of the vertices that the state is
- * told to have; the bytes of such a row, and where a normal's numbers lie in it (0: memory is out).
- */
+/* With normals as the only change: the header alone, and how the rows of the vertices are written;
+ * those rows, of the vertices that the state is told to have. */
+typedef struct ply_row {
+    size_t size, normal[3]; /* bytes; where a normal's numbers lie */
+} ply_row;
 norma_document_result norma_ply_write_header(
-    norma_document *document, norma_sink *sink, norma_document_error *error);
+    norma_document *document, norma_sink *sink, ply_row *row, norma_document_error *error);
 norma_document_result norma_ply_write_vertices(
     norma_document *document, norma_sink *sink, norma_document_error *error);
-size_t norma_ply_written_row(
-    norma_document *document, size_t normal[3], norma_document_error *error);
 int norma_ply_has_edit(const void *state); /* a ply_state */
 void norma_ply_forget_edit(void *state);
 

@@ -252,7 +252,7 @@ static norma_document_result keep_stored(ply_job *job) {
     double *all = realloc(job->stored, (count ? count : 1) * 3 * sizeof *all);
     if (!all) return ply_fail_memory(job);
     job->stored = NULL;
-    edit->stored_normals = all;
+    edit->normals.doubles = all;
     for (size_t i = 0; i < count; ++i)
         for (size_t axis = 0; axis < 3 && (i >= vertices || job->wanted[i]); ++axis)
             all[3 * i + axis] = (double)job->normals[3 * i + axis];
@@ -278,18 +278,18 @@ static norma_document_result ply_take_result(ply_job *job) {
     ply_edit *edit = &state->edit;
     const ply_header *header = &state->header;
     const int had = header->normal[0] != PLY_NONE;
-    edit->normal_types[0] = edit->normal_types[1] = edit->normal_types[2] = PLY_FLOAT;
+    edit->normals.types[0] = edit->normals.types[1] = edit->normals.types[2] = PLY_FLOAT;
     if (had)
         norma_ply_normal_types(
-            header, norma_ply_element(header, header->vertex), header->normal, edit->normal_types);
-    norma_document_result result = norma_ply_encode_normals(job->document, edit->normal_types,
+            header, norma_ply_element(header, header->vertex), header->normal, edit->normals.types);
+    norma_document_result result = norma_ply_encode_normals(job->document, edit->normals.types,
         job->normals, state->vertices + job->added_count, job->error);
     if (!result) result = ply_keep_zero_signs(job);
     if (result) return result;
     if (job->stored) {
         result = keep_stored(job);
     } else {
-        edit->normals = job->normals;
+        edit->normals.floats = job->normals;
         job->normals = NULL;
     }
     if (result || job->added_count == 0) return result;
@@ -359,17 +359,17 @@ static void choose_types(const ply_state *state, ply_edit *edit) {
     int whole = 1, wide = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const ply_type type = norma_ply_property(header, vertex, header->position[axis])->type;
-        edit->position_types[axis] = type;
+        edit->positions.types[axis] = type;
         wide |= type == PLY_INT32 || type == PLY_UINT32;
         for (size_t i = 0; i < state->vertices && type < PLY_FLOAT && whole; ++i)
-            whole = norma_ply_type_holds(type, edit->positions[3 * i + (size_t)axis]);
+            whole = norma_ply_type_holds(type, edit->positions.doubles[3 * i + (size_t)axis]);
     }
     for (int axis = 0; axis < 3; ++axis) {
-        if (edit->position_types[axis] < PLY_FLOAT && !whole)
-            edit->position_types[axis] = wide ? PLY_DOUBLE : PLY_FLOAT;
-        for (size_t i = 0; i < state->vertices && edit->position_types[axis] == PLY_FLOAT; ++i)
-            if (!norma_ply_type_holds(PLY_FLOAT, edit->positions[3 * i + (size_t)axis]))
-                edit->position_types[axis] = PLY_DOUBLE;
+        if (edit->positions.types[axis] < PLY_FLOAT && !whole)
+            edit->positions.types[axis] = wide ? PLY_DOUBLE : PLY_FLOAT;
+        for (size_t i = 0; i < state->vertices && edit->positions.types[axis] == PLY_FLOAT; ++i)
+            if (!norma_ply_type_holds(PLY_FLOAT, edit->positions.doubles[3 * i + (size_t)axis]))
+                edit->positions.types[axis] = PLY_DOUBLE;
     }
 }
 
@@ -378,12 +378,13 @@ static norma_document_result narrow_positions(
     norma_document *document, ply_edit *edit, norma_document_error *error) {
     const size_t count = ((const ply_state *)document->state)->vertices;
     for (int axis = 0; axis < 3; ++axis)
-        if (edit->position_types[axis] != PLY_FLOAT) return NORMA_DOCUMENT_OK;
-    edit->float_positions = norma_io_allocate(count, 3 * sizeof *edit->float_positions);
-    if (!edit->float_positions) return norma_document_fail_memory(document, error);
-    for (size_t i = 0; i < 3 * count; ++i) edit->float_positions[i] = (float)edit->positions[i];
-    free(edit->positions);
-    edit->positions = NULL;
+        if (edit->positions.types[axis] != PLY_FLOAT) return NORMA_DOCUMENT_OK;
+    edit->positions.floats = norma_io_allocate(count, 3 * sizeof *edit->positions.floats);
+    if (!edit->positions.floats) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < 3 * count; ++i)
+        edit->positions.floats[i] = (float)edit->positions.doubles[i];
+    free(edit->positions.doubles);
+    edit->positions.doubles = NULL;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -391,14 +392,15 @@ static norma_document_result transform_positions(
     norma_document *document, const double matrix[16], norma_document_error *error) {
     ply_state *state = document->state;
     ply_edit *edit = &state->edit;
-    edit->positions = norma_io_allocate(state->vertices, 3 * sizeof *edit->positions);
-    if (!edit->positions) return norma_document_fail_memory(document, error);
+    edit->positions.doubles =
+        norma_io_allocate(state->vertices, 3 * sizeof *edit->positions.doubles);
+    if (!edit->positions.doubles) return norma_document_fail_memory(document, error);
     norma_result result = norma_transform_positions_double(
-        matrix, state->mesh.positions, edit->positions, 0, state->vertices);
+        matrix, state->mesh.positions, edit->positions.doubles, 0, state->vertices);
     if (result) return norma_document_fail_core(document, error, result);
     choose_types(state, edit);
     const norma_document_result told = norma_check_transformed_range(
-        document, &state->mesh.positions, edit->positions, DBL_MAX, "vertex", 1, error);
+        document, &state->mesh.positions, edit->positions.doubles, DBL_MAX, "vertex", 1, error);
     return told ? told : narrow_positions(document, edit, error);
 }
 
@@ -431,10 +433,11 @@ static norma_document_result transform_normals(
     const ply_header *header = &state->header;
     ply_edit *edit = &state->edit;
     const norma_document_result result = transform_column(document, mapping,
-        norma_ply_vertex(state), header->normal, &edit->normals, edit->normal_types, error);
+        norma_ply_vertex(state), header->normal, &edit->normals.floats, edit->normals.types, error);
     return result ? result
                   : transform_column(document, mapping, norma_ply_element(header, header->face),
-                        header->face_normal, &edit->face_normals, edit->face_normal_types, error);
+                        header->face_normal, &edit->face_normals.floats, edit->face_normals.types,
+                        error);
 }
 
 /* ---- faces */

@@ -52,6 +52,7 @@ typedef struct text_walker {
     const unsigned char *row_end, *surplus; /* of the last row: behind its last word; its first word
                                                that the header does not declare, or NULL */
     const void *asked;                      /* where it was last asked whether to go on */
+    ply_state *counting; /* NULL, or counts the rows that hold more than they should */
 } text_walker;
 
 static int text_is_cancelled(text_walker *walker) {
@@ -139,18 +140,10 @@ static norma_document_result walk_row(text_walker *walker) {
 static norma_document_result walk_rows(text_walker *walker) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (walker->element->property_count == 0) return result;
-    for (walker->row = 0; walker->row < walker->element->count && !result; ++walker->row)
+    ply_state *state = walker->counting;
+    for (walker->row = 0; walker->row < walker->element->count && !result; ++walker->row) {
         result = walk_row(walker);
-    return result;
-}
-
-/* The same, once, counting the rows that hold more than they should. */
-static norma_document_result locate_rows(text_walker *walker, ply_state *state) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (walker->element->property_count == 0) return result;
-    for (; walker->row < walker->element->count && !result; ++walker->row) {
-        result = walk_row(walker);
-        if (result || !walker->surplus) continue;
+        if (result || !walker->surplus || !state) continue;
         if (state->surplus_rows++ == 0)
             state->first_surplus = (size_t)(walker->surplus - state->bytes);
     }
@@ -169,7 +162,8 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
         .error = error,
         .at = state->bytes + state->header.body,
         .asked = state->bytes,
-        .end = state->bytes + state->size};
+        .end = state->bytes + state->size,
+        .counting = state};
     for (size_t i = 0; i < state->header.element_count; ++i) {
         ply_element *element = &state->header.elements[i];
         size_t left = (size_t)(walker.end - walker.at);
@@ -180,7 +174,7 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
             return fail_row(
                 &walker, walker.end, "the file is too short for the rows that the header declares");
         element->begin = (size_t)(walker.at - state->bytes);
-        norma_document_result result = locate_rows(&walker, state);
+        norma_document_result result = walk_rows(&walker);
         if (result) return result;
         element->end = (size_t)(walker.at - state->bytes);
     }
@@ -399,13 +393,6 @@ static void text_put_value(text_writer *writer, const ply_item *item, size_t num
 
 /* ---- lists */
 
-static void text_put_list(text_writer *writer) {
-    ply_span word = take_word(writer);
-    text_put_word(writer, word);
-    for (int64_t left = integer_of(writer, word); left > 0 && !text_stops(writer); --left)
-        text_put_word(writer, take_word(writer));
-}
-
 static void skip_words(text_writer *writer, int64_t count) {
     for (; count > 0 && !text_stops(writer); --count) {
         size_t length = 0;
@@ -424,20 +411,17 @@ static void text_put_triangle(text_writer *writer) {
     skip_words(writer, count);
 }
 
-static void text_put_face(text_writer *writer) {
-    if (writer->triangle) {
-        text_put_triangle(writer);
-        return;
-    }
+/* renumbers: items that are other numbers now. */
+static void text_put_list(text_writer *writer, int renumbers) {
     ply_span word = take_word(writer);
     text_put_word(writer, word);
     for (int64_t left = integer_of(writer, word); left > 0 && !text_stops(writer); --left) {
-        ply_span index = take_word(writer);
-        const uint32_t wanted = *writer->next_index++;
-        if (integer_of(writer, index) == wanted)
-            text_put_word(writer, index);
-        else
+        word = take_word(writer);
+        const int64_t wanted = renumbers ? *writer->next_index++ : 0;
+        if (renumbers && integer_of(writer, word) != wanted)
             put_integer(writer, wanted);
+        else
+            text_put_word(writer, word);
     }
 }
 
@@ -506,10 +490,10 @@ static int put_item(text_writer *writer, const ply_item *item, size_t number) {
         return text_put_corners(writer);
     else if (item->action == PLY_INDICES && writer->plan->lists)
         text_put_strip(writer);
-    else if (item->action == PLY_INDICES)
-        text_put_face(writer);
+    else if (item->action == PLY_INDICES && writer->triangle)
+        text_put_triangle(writer);
     else if (norma_ply_is_list(item->source))
-        text_put_list(writer);
+        text_put_list(writer, item->action == PLY_INDICES);
     else
         text_put_word(writer, take_word(writer));
     return 1;

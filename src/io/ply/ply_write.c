@@ -6,18 +6,18 @@
 
 int norma_ply_has_edit(const void *state) {
     const ply_edit *edit = &((const ply_state *)state)->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->float_positions ||
-           edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows ||
-           edit->dropped_vertices || edit->cut_rows;
+    return norma_ply_has_values(&edit->normals) || norma_ply_has_values(&edit->positions) ||
+           norma_ply_has_values(&edit->face_normals) || edit->corners || edit->added_count > 0 ||
+           edit->dropped_rows || edit->dropped_vertices || edit->cut_rows;
 }
 
 void norma_ply_forget_edit(void *state) {
     ply_edit *edit = &((ply_state *)state)->edit;
-    free(edit->normals);
-    free(edit->stored_normals);
-    free(edit->positions);
-    free(edit->float_positions);
-    free(edit->face_normals);
+    free(edit->normals.floats);
+    free(edit->normals.doubles);
+    free(edit->positions.doubles);
+    free(edit->positions.floats);
+    free(edit->face_normals.floats);
     free(edit->added);
     free(edit->corners);
     free(edit->reversed_rows);
@@ -41,30 +41,24 @@ static ply_item copy_item(const ply_property *property) {
         .source = property, .type = property->type, .count_type = property->count_type};
 }
 
-static ply_item value_item(const ply_property *source, ply_type type, ply_column column) {
+/* unit: components of unit vectors. */
+static ply_item value_item(
+    const ply_property *source, const ply_values *values, int axis, int unit) {
+    const ply_column column = {.floats = values->floats ? values->floats + axis : NULL,
+        .doubles = values->floats ? NULL : values->doubles + axis,
+        .unit = unit};
     return (ply_item){.source = source,
         .action = PLY_VALUE,
-        .type = type,
+        .type = values->types[axis],
         .count_type = PLY_NO_TYPE,
         .column = column};
-}
-
-static ply_column normal_column(const ply_edit *edit, int axis) {
-    return (ply_column){.floats = edit->normals ? edit->normals + axis : NULL,
-        .doubles = edit->normals ? NULL : edit->stored_normals + axis,
-        .unit = 1};
-}
-
-static ply_column position_column(const ply_edit *edit, int axis) {
-    return (ply_column){.floats = edit->float_positions ? edit->float_positions + axis : NULL,
-        .doubles = edit->float_positions ? NULL : edit->positions + axis};
 }
 
 static void plan_vertex(const ply_state *state, ply_plan *plan) {
     const ply_header *header = &state->header;
     const ply_edit *edit = &state->edit;
-    const int has_normals = edit->normals || edit->stored_normals,
-              has_positions = edit->positions || edit->float_positions;
+    const int has_normals = norma_ply_has_values(&edit->normals),
+              has_positions = norma_ply_has_values(&edit->positions);
     int last_position = 0;
     for (int axis = 0; axis < 3; ++axis)
         last_position =
@@ -77,13 +71,12 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
         ply_item *item = &plan->items[count++];
         *item = copy_item(property);
         if (has_positions && position != PLY_NONE)
-            *item = value_item(
-                property, edit->position_types[position], position_column(edit, position));
+            *item = value_item(property, &edit->positions, position, 0);
         else if (has_normals && normal != PLY_NONE)
-            *item = value_item(property, edit->normal_types[normal], normal_column(edit, normal));
+            *item = value_item(property, &edit->normals, normal, 1);
         if (has_normals && header->normal[0] == PLY_NONE && i == last_position)
             for (int axis = 0; axis < 3; ++axis)
-                plan->items[count++] = value_item(NULL, PLY_FLOAT, normal_column(edit, axis));
+                plan->items[count++] = value_item(NULL, &edit->normals, axis, 1);
     }
     plan->item_count = count;
     plan->added = edit->added;
@@ -134,9 +127,8 @@ static void plan_faces(const ply_state *state, ply_plan *plan) {
             item->action = PLY_INDICES;
             item->type = edit->added_count ? ply_widen(property->type, highest_index(state), 0)
                                            : property->type;
-        } else if (edit->face_normals && normal != PLY_NONE) {
-            *item = value_item(property, edit->face_normal_types[normal],
-                (ply_column){.floats = edit->face_normals + normal, .unit = 1});
+        } else if (norma_ply_has_values(&edit->face_normals) && normal != PLY_NONE) {
+            *item = value_item(property, &edit->face_normals, normal, 1);
         } else if ((edit->reversed || edit->cut_rows) && goes_with_corners(state, property)) {
             item->action = PLY_CORNERS;
         }
@@ -340,8 +332,19 @@ static norma_document_result ply_write_elements(norma_document *document, const 
 
 /* ---- parts of it, for files that are never in memory as a whole */
 
+static void measure_written(const ply_state *state, const ply_plan *plan, ply_row *row) {
+    int axis = 0;
+    *row = (ply_row){0};
+    for (size_t i = 0; i < plan->item_count; ++i) {
+        const ply_item *item = &plan->items[i];
+        const int own = item->source ? ply_axis_of(state->header.normal, (int)i) : axis++;
+        if (item->action == PLY_VALUE && own != PLY_NONE) row->normal[own] = row->size;
+        row->size += norma_ply_type_size(item->type);
+    }
+}
+
 norma_document_result norma_ply_write_header(
-    norma_document *document, norma_sink *sink, norma_document_error *error) {
+    norma_document *document, norma_sink *sink, ply_row *row, norma_document_error *error) {
     const ply_state *state = document->state;
     header_writer writer = {.state = state, .sink = sink};
     ply_lists lists = {0};
@@ -350,6 +353,7 @@ norma_document_result norma_ply_write_header(
         ply_plan plan = {0};
         result = make_plan(document, i, &plan, &lists, error);
         if (!result) write_header_part(&writer, &plan);
+        if (!result && (int)i == state->header.vertex) measure_written(state, &plan, row);
         free(plan.items);
     }
     copy_to(&writer, state->header.body);
@@ -365,22 +369,6 @@ norma_document_result norma_ply_write_vertices(
     if (!result) result = norma_ply_write_rows(document, &plan, sink, error);
     free(plan.items);
     return result;
-}
-
-size_t norma_ply_written_row(
-    norma_document *document, size_t normal[3], norma_document_error *error) {
-    const ply_state *state = document->state;
-    ply_plan plan = {0};
-    size_t size = 0, axis = 0;
-    if (!make_plan(document, (size_t)state->header.vertex, &plan, NULL, error))
-        for (size_t i = 0; i < plan.item_count; ++i) {
-            const ply_item *item = &plan.items[i];
-            const int own = item->source ? ply_axis_of(state->header.normal, (int)i) : (int)axis++;
-            if (item->action == PLY_VALUE && own != PLY_NONE) normal[own] = size;
-            size += norma_ply_type_size(item->type);
-        }
-    free(plan.items);
-    return size;
 }
 
 norma_document_result norma_ply_write_changed(

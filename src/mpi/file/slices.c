@@ -348,7 +348,7 @@ static int rank_write_rows(
     if (result) return fail_ply(p, result);
     for (size_t i = 0; i < count; ++i) norma_policy_point_up(normals + 3 * i);
     result = norma_ply_encode_normals(
-        p->file.document, p->ply.state->edit.normal_types, normals, count, &p->error);
+        p->file.document, p->ply.state->edit.normals.types, normals, count, &p->error);
     for (size_t i = 0; stored && i < 3 * count; ++i)
         normals[i] = norma_policy_keep_zero(normals[i], stored[i]);
     free(stored);
@@ -358,13 +358,13 @@ static int rank_write_rows(
 }
 
 /* Collective, once the output is open; head: bytes of its header. */
-static int rank_write_parts(mpi_ply *p, uint64_t head, const large_row *row, float *normals) {
+static int rank_write_parts(mpi_ply *p, uint64_t head, const ply_row *row, float *normals) {
     mpi_job *job = p->job;
     const uint64_t body = p->ply.state->header.body, begin = p->ply.vertex->begin - body,
                    behind = p->ply.vertex->end,
                    behind_there = head + begin + job->vertices * row->size;
     place_in_output place = {.job = job};
-    large_row same;
+    ply_row same;
     if (!job->call.rank &&
         (fail_ply(p, norma_large_ply_write_header(&p->ply, write_here, &place, &same)) ||
             place.failed))
@@ -381,7 +381,7 @@ static int rank_write_parts(mpi_ply *p, uint64_t head, const large_row *row, flo
 static int rank_write_output(mpi_ply *p, float *normals) {
     mpi_job *job = p->job;
     uint64_t head = 0;
-    large_row row;
+    ply_row row;
     const norma_document_result result =
         norma_large_ply_write_header(&p->ply, count_bytes, &head, &row);
     if (norma_mpi_failed(job, fail_ply(p, result))) return 1;
