@@ -88,7 +88,7 @@ static void fail_model_memory(model_reader *r) {
 
 static void *add_to_list(
     model_reader *r, void *list, size_t *count, size_t *capacity, size_t size) {
-    void *added = norma_io_add(list, count, capacity, size);
+    void *added = norma_io_add(list, capacity, count, size);
     if (!added) fail_model_memory(r);
     return added;
 }
@@ -541,7 +541,7 @@ static norma_document_result draw_object(
     tmf_state *state = p->document->state;
     char where[64];
     tmf_node *node =
-        norma_io_add(&state->nodes, &state->node_count, &state->node_capacity, sizeof *node);
+        norma_io_add(&state->nodes, &state->node_capacity, &state->node_count, sizeof *node);
     if (!node) return norma_document_fail_memory(p->document, p->error);
     snprintf(where, sizeof where, "build item %zu", p->item);
     *node = (tmf_node){.mesh = object->mesh,

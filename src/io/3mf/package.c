@@ -67,7 +67,7 @@ norma_document_result norma_3mf_add_part(norma_document *document, const char *n
         return NORMA_DOCUMENT_OK;
     }
     tmf_part *added =
-        norma_io_add(&state->parts, &state->part_count, &state->part_capacity, sizeof *added);
+        norma_io_add(&state->parts, &state->part_capacity, &state->part_count, sizeof *added);
     if (!added) return norma_document_fail_memory(document, error);
     *added = (tmf_part){.name = norma_io_copy_text(name, length)};
     member->part = (uint32_t)state->part_count;

@@ -189,7 +189,7 @@ static xml_event begin_tag(xml_reader *x) {
     x->at += (size_t)x->is_empty_tag;
     if (x->at != end) return fail_xml(x, "a tag has more than a name and attributes");
     ++x->at;
-    xml_span *open = norma_io_add(&x->open, &x->depth, &x->open_capacity, sizeof *open);
+    xml_span *open = norma_io_add(&x->open, &x->open_capacity, &x->depth, sizeof *open);
     if (!open) return XML_NO_MEMORY;
     *open = (xml_span){name, strlen(x->name)};
     x->has_root = 1;

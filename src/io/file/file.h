@@ -15,9 +15,8 @@ char *norma_io_copy_text(const char *text, size_t length);
 char *norma_io_join(const char *folder, const char *name); /* folder: with its slash, or "" */
 void *norma_io_grow(void *block, size_t *capacity, size_t needed,
     size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
-/* A place for one more behind the *count elements of a list; list: where its pointer lies. NULL:
- * out of memory, all is as it was. */
-void *norma_io_add(void *list, size_t *count, size_t *capacity, size_t size);
+/* One more element, zeroed, at the end of the list whose address list is; NULL: out of memory. */
+void *norma_io_add(void *list, size_t *capacity, size_t *count, size_t size);
 
 /* Bytes that grow; data is the caller's to free. */
 typedef struct growing_bytes {

@@ -46,13 +46,13 @@ void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
     return grown;
 }
 
-void *norma_io_add(void *list, size_t *count, size_t *capacity, size_t size) {
+void *norma_io_add(void *list, size_t *capacity, size_t *count, size_t size) {
     void *block;
     memcpy(&block, list, sizeof block);
     char *grown = norma_io_grow(block, capacity, *count + 1, size);
     if (!grown) return NULL;
     memcpy(list, &grown, sizeof grown);
-    return grown + size * (*count)++;
+    return memset(grown + (*count)++ * size, 0, size);
 }
 
 void norma_io_append(growing_bytes *to, const void *bytes, size_t size) {

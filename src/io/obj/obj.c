@@ -73,7 +73,7 @@ static void scene_read_material(walk *w, const char *p) {
 
 static void read_texcoord(walk *w, const char *p) {
     float *texcoord =
-        norma_io_add(&w->texcoords, &w->texcoord_count, &w->texcoord_room, 2 * sizeof *texcoord);
+        norma_io_add(&w->texcoords, &w->texcoord_room, &w->texcoord_count, 2 * sizeof *texcoord);
     w->failed |= !texcoord;
     if (!texcoord) return;
     for (size_t i = 0; i < 2; ++i) {

@@ -163,7 +163,7 @@ static int add_runs(gathering *g, const obj_part *part) {
         const size_t last = state->run_count - 1;
         if (state->run_count && state->runs[last].first_face == state->face_count + end)
             state->run_count = last; /* no face lies between */
-        obj_run *run = norma_io_add(&state->runs, &state->run_count, &state->run_room, sizeof *run);
+        obj_run *run = norma_io_add(&state->runs, &state->run_room, &state->run_count, sizeof *run);
         if (!run) return 0;
         *run = (obj_run){state->face_count + end, g->group};
     }

@@ -412,7 +412,7 @@ static size_t gather_tokens(writer *w, const char *p) {
     obj_corner corner;
     for (; !obj_stops(w, p) && at_token(&p, w->end) && norma_obj_corner(p, w->end, &corner);
          p = corner.end) {
-        const char **token = norma_io_add(&w->tokens, &count, &w->token_room, sizeof *token);
+        const char **token = norma_io_add(&w->tokens, &w->token_room, &count, sizeof *token);
         w->out_of_memory |= !token;
         if (!token) return 0;
         *token = p;

@@ -366,7 +366,7 @@ static norma_document_result ply_read_element(header_reader *reader) {
     if (norma_number_parse_integer(text, end, &count) != end || count < 0)
         return fail_line(reader, "this should be the number of rows", line->words[2]);
     ply_element *element = norma_io_add(
-        &header->elements, &header->element_count, &header->element_capacity, sizeof *element);
+        &header->elements, &header->element_capacity, &header->element_count, sizeof *element);
     if (!element) return norma_document_fail_memory(reader->document, reader->error);
     *element = (ply_element){.name = line->words[1],
         .count_text = line->words[2],
@@ -421,7 +421,7 @@ static norma_document_result read_property(header_reader *reader) {
     norma_document_result result = parse_property(reader, &property);
     if (result) return result;
     ply_property *added = norma_io_add(
-        &header->properties, &header->property_count, &header->property_capacity, sizeof *added);
+        &header->properties, &header->property_capacity, &header->property_count, sizeof *added);
     if (!added) return norma_document_fail_memory(reader->document, reader->error);
     *added = property;
     ply_element *element = &header->elements[header->element_count - 1];

@@ -297,7 +297,7 @@ uint32_t norma_names_number(norma_names *names, const char *text, size_t length)
     if (*slot) return *slot - 1;
     char *copy = norma_io_copy_text(text, length);
     char **name =
-        copy ? norma_io_add(&names->list, &names->count, &names->room, sizeof *name) : NULL;
+        copy ? norma_io_add(&names->list, &names->room, &names->count, sizeof *name) : NULL;
     if (!name) {
         free(copy);
         return UINT32_MAX;

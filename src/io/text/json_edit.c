@@ -300,7 +300,7 @@ typedef struct splices {
 } splices;
 
 static void add_splice(splices *s, splice one) {
-    splice *added = norma_io_add(&s->list, &s->count, &s->capacity, sizeof *added);
+    splice *added = norma_io_add(&s->list, &s->capacity, &s->count, sizeof *added);
     s->failed |= !added;
     if (added) *added = one;
 }

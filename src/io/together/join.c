@@ -183,7 +183,7 @@ void norma_near_free(near_positions *near) {
 
 int norma_near_add(near_positions *near, const double at[3]) {
     if (!norma_core_finite(at)) return 1;
-    double *added = norma_io_add(&near->at, &near->count, &near->room, sizeof near->at[0]);
+    double *added = norma_io_add(&near->at, &near->room, &near->count, sizeof near->at[0]);
     if (added) memcpy(added, at, sizeof near->at[0]);
     return added != NULL;
 }
@@ -318,7 +318,7 @@ static int add_joined_position(joining *j, const position_votes *votes, uint64_t
         return 0;
     }
     position_votes *entry =
-        norma_io_add(&j->entries, &j->entry_count, &j->entry_room, sizeof *entry);
+        norma_io_add(&j->entries, &j->entry_room, &j->entry_count, sizeof *entry);
     if (!entry) return ENOMEM;
     *entry = *votes;
     *place = (uint32_t)j->entry_count;

@@ -406,7 +406,7 @@ static norma_document_result add_node(const member *m, const document_surface *s
     if (result) return result;
     for (size_t i = 0; i < info.instances && !result; ++i) {
         double world[16];
-        placement *place = norma_io_add(places, count, room, sizeof *place);
+        placement *place = norma_io_add(places, room, count, sizeof *place);
         if (!place) return norma_document_fail_memory(m->document, error);
         result = norma_document_instance_world(m->document, node, i, world, error);
         *place = place_by(info.skin == SIZE_MAX ? world : IDENTITY, level_at(m, surface, &info));
@@ -424,7 +424,7 @@ static norma_document_result member_places(const member *m, const document_surfa
     for (size_t n = 0; n < nodes && !result; ++n)
         result = add_node(m, surface, n, places, count, &room, error);
     if (result || nodes) return result;
-    placement *place = norma_io_add(places, count, &room, sizeof *place);
+    placement *place = norma_io_add(places, &room, count, sizeof *place);
     if (!place) return norma_document_fail_memory(m->document, error);
     *place = place_by(IDENTITY, level_at(m, surface, NULL));
     return NORMA_DOCUMENT_OK;

@@ -370,7 +370,7 @@ norma_document_result norma_seams_find(together_run *run) {
     while (!result && !(result = read_record(s, &more, run->error)) && more &&
            s->last.at[0] <= run->tile.high[0]) {
         if (!lies_within(s->last.at, run)) continue;
-        position_votes *near = norma_io_add(&s->near, &s->near_count, &room, sizeof *near);
+        position_votes *near = norma_io_add(&s->near, &room, &s->near_count, sizeof *near);
         if (!near) return norma_document_fail_memory(NULL, run->error);
         *near = s->last;
     }
@@ -418,7 +418,7 @@ typedef struct seams_votes {
 static int keep_border(void *user, position_votes *votes) {
     seams_votes *v = user;
     if (!votes->border) return 0;
-    position_votes *record = norma_io_add(&v->records, &v->count, &v->room, sizeof *record);
+    position_votes *record = norma_io_add(&v->records, &v->room, &v->count, sizeof *record);
     if (!record) return ENOMEM;
     *record = *votes;
     return 0;
