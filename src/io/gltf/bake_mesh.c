@@ -582,9 +582,10 @@ static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint
 }
 
 static norma_document_result bake_attributes(const mesh_baker *b, const gltf_primitive *primitive,
-    const gltf_attributes *attributes, gltf_slot slot, norma_document_error *error) {
+    gltf_slot slot, norma_document_error *error) {
     const int delta = slot.target >= 0;
-    const gltf_attributes *base = &primitive->base;
+    const gltf_attributes *base = &primitive->base,
+                          *attributes = norma_gltf_set_of(b->g, primitive, slot.target);
     slot.attribute = "POSITION";
     norma_document_result result = bake_slot(b, delta ? BAKE_POSITION_DELTAS : BAKE_POSITIONS,
         attributes->position, GLTF_NONE, &slot, error);
@@ -608,12 +609,8 @@ norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mes
         const gltf_primitive *primitive = &g->primitives[number];
         gltf_slot slot = {use->copy, number, GLTF_SLOT_BASE, NULL};
         if (primitive->base.position == GLTF_NONE) continue; /* nothing is drawn */
-        result = bake_attributes(&b, primitive, &primitive->base, slot, error);
-        for (uint32_t k = 0; !result && k < primitive->target_count; ++k) {
-            slot.target = (int32_t)k;
-            result = bake_attributes(
-                &b, primitive, &g->targets[primitive->first_target + k], slot, error);
-        }
+        for (; !result && slot.target < (int32_t)primitive->target_count; ++slot.target)
+            result = bake_attributes(&b, primitive, slot, error);
         if (!result && map->mirrored)
             result = gltf_bake_winding(g, cache, number, use->copy, error);
         *vertices += primitive->vertices;

@@ -642,11 +642,8 @@ static const char *compression_of_view(const gltf *g, uint32_t accessor) {
 static const char *compression_of(const gltf *g, const gltf_primitive *p) {
     if (p->draco.token != GLTF_NONE) return GLTF_DRACO;
     const char *name = p->indices == GLTF_NONE ? NULL : compression_of_view(g, p->indices);
-    for (uint32_t t = 0; t <= p->target_count && !name; ++t) {
-        const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
-        for (uint32_t i = 0; i < set->count && !name; ++i)
-            name = compression_of_view(g, g->attributes[set->first + i].accessor);
-    }
+    for (uint32_t i = p->base.first; i < p->attribute_end && !name; ++i)
+        name = compression_of_view(g, g->attributes[i].accessor);
     return name;
 }
 

@@ -134,10 +134,11 @@ typedef struct gltf_primitive {
     uint32_t mode, indices, material;
     gltf_attributes base;
     uint32_t first_target, target_count;
-    size_t vertices, faces;         /* faces: triangles unrolled */
-    const char *not_read;           /* NULL: triangles that can be computed */
-    char where[64];                 /* JSON pointer */
-    uint32_t *corners;              /* cached by norma_gltf_corners, 3 * faces */
+    uint32_t attribute_end; /* g->attributes from base.first to here: its own and its targets' */
+    size_t vertices, faces; /* faces: triangles unrolled */
+    const char *not_read;   /* NULL: triangles that can be computed */
+    char where[64];         /* JSON pointer */
+    uint32_t *corners;      /* cached by norma_gltf_corners, 3 * faces */
     const uint32_t *direct_corners; /* the same where the file itself has them so */
     gltf_draco draco;
     uint32_t *corner_normals; /* of each corner its normal, where there are fewer than positions;
@@ -326,6 +327,12 @@ norma_document_result norma_gltf_position_view(
 norma_document_result norma_gltf_corners(
     gltf *g, uint32_t primitive, const uint32_t **corners, norma_document_error *error);
 
+/* The attributes of a morph target, or the primitive's own for GLTF_SLOT_BASE. */
+enum { GLTF_SLOT_BASE = -1, GLTF_SLOT_INDICES = -2 };
+static inline const gltf_attributes *norma_gltf_set_of(
+    const gltf *g, const gltf_primitive *p, int32_t target) {
+    return target == GLTF_SLOT_BASE ? &p->base : &g->targets[p->first_target + (uint32_t)target];
+}
 uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
     const char *name); /* number in g->attributes, or GLTF_NONE */
 /* The accessor of "COLOR_0" and such; GLTF_NONE: none. */
@@ -370,7 +377,6 @@ char *norma_gltf_folder_of(const char *path);
 
 /* ---- changing (patch.c) */
 
-enum { GLTF_SLOT_BASE = -1, GLTF_SLOT_INDICES = -2 };
 typedef struct gltf_slot {
     uint32_t copy;         /* 0: the mesh itself; else what norma_gltf_copy_mesh gave */
     uint32_t primitive;    /* number in g->primitives */

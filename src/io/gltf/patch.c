@@ -162,10 +162,8 @@ static void find_old(const gltf *g, patch_slot *slot) {
         slot->old = p->indices;
         return;
     }
-    const gltf_attributes *set = slot->slot.target == GLTF_SLOT_BASE
-                                     ? &p->base
-                                     : &g->targets[p->first_target + (uint32_t)slot->slot.target];
-    uint32_t found = norma_gltf_find(g, set, slot->slot.attribute);
+    uint32_t found =
+        norma_gltf_find(g, norma_gltf_set_of(g, p, slot->slot.target), slot->slot.attribute);
     if (found == GLTF_NONE) return;
     slot->token = g->attributes[found].token;
     slot->old = g->attributes[found].accessor;
@@ -522,18 +520,12 @@ static int find_equal_datas(gltf_patch *patch) {
 
 /* ---- users */
 
-static void count_attribute_uses(const gltf *g, const gltf_attributes *set, uint32_t *uses) {
-    for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        ++uses[g->attributes[i].accessor];
-}
-
 static void count_mesh(const gltf *g, const gltf_mesh *mesh, uint32_t *uses) {
     for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count;
          ++i) {
         const gltf_primitive *p = &g->primitives[i];
-        count_attribute_uses(g, &p->base, uses);
-        for (uint32_t t = 0; t < p->target_count; ++t)
-            count_attribute_uses(g, &g->targets[p->first_target + t], uses);
+        for (uint32_t k = p->base.first; k < p->attribute_end; ++k)
+            ++uses[g->attributes[k].accessor];
         if (p->indices != GLTF_NONE) ++uses[p->indices];
     }
 }
@@ -633,10 +625,7 @@ static void point_slot(gltf *g, const patch_slot *slot, uint32_t accessor) {
     else if (slot->slot.target == GLTF_SLOT_INDICES)
         norma_json_set_uint(edits, p->token, "indices", accessor);
     else
-        norma_json_set_uint(edits,
-            slot->slot.target == GLTF_SLOT_BASE
-                ? p->base.token
-                : g->targets[p->first_target + (uint32_t)slot->slot.target].token,
+        norma_json_set_uint(edits, norma_gltf_set_of(g, p, slot->slot.target)->token,
             slot->slot.attribute, accessor);
 }
 

@@ -147,17 +147,11 @@ static int lacks_decoder(const gltf *g, uint32_t accessor) {
 
 typedef int accessor_test(const gltf *g, uint32_t accessor);
 
-static int any_of_set(const gltf *g, const gltf_attributes *set, accessor_test *test) {
-    for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        if (test(g, g->attributes[i].accessor)) return 1;
-    return 0;
-}
-
 static int any_accessor(const gltf *g, const gltf_primitive *p, accessor_test *test) {
-    if (test(g, p->indices) || any_of_set(g, &p->base, test)) return 1;
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        if (any_of_set(g, &g->targets[p->first_target + t], test)) return 1;
-    return 0;
+    int any = test(g, p->indices);
+    for (uint32_t i = p->base.first; i < p->attribute_end && !any; ++i)
+        any = test(g, g->attributes[i].accessor);
+    return any;
 }
 
 static const char *why_without_bytes(const gltf *g, const gltf_primitive *p) {
@@ -194,6 +188,7 @@ static norma_document_result read_primitive(
     for (uint32_t target = JSON_NONE; !result && norma_json_each(j, targets, &target);)
         result = read_primitive_attributes(g, target, &g->targets[g->target_count++], error);
     if (result) return result;
+    p->attribute_end = g->attribute_count;
     p->vertices = p->base.position == GLTF_NONE ? 0 : g->accessors[p->base.position].count;
     count_primitive_faces(g, p);
     p->not_read = why_not_read(g, p);
@@ -204,11 +199,11 @@ static norma_document_result read_primitive(
 /* Normals too few or too many are judged by norma check, where it asks for that; as normals alone,
  * for what else has them loses them when they are fixed. */
 static norma_document_result check_counts(
-    gltf *g, const gltf_primitive *p, const gltf_attributes *set, norma_document_error *error) {
-    for (uint32_t i = set->first; i < set->first + set->count; ++i) {
+    gltf *g, const gltf_primitive *p, norma_document_error *error) {
+    for (uint32_t i = p->base.first; i < p->attribute_end; ++i) {
         uint32_t accessor = g->attributes[i].accessor;
-        int judged =
-            g->document->lenient && set == &p->base && strcmp(g->attributes[i].name, "NORMAL") == 0;
+        int judged = g->document->lenient && i < p->base.first + p->base.count &&
+                     strcmp(g->attributes[i].name, "NORMAL") == 0;
         if (g->accessors[accessor].count != p->vertices && !judged)
             return norma_gltf_malformed(g, error, g->attributes[i].token,
                 "an accessor with as many elements as POSITION has");
@@ -245,9 +240,7 @@ static norma_document_result check_primitive_elements(
     const uint32_t *corners;
     gltf_array elements;
     if (p->not_read) return NORMA_DOCUMENT_OK;
-    norma_document_result result = check_counts(g, p, &p->base, error);
-    for (uint32_t t = 0; !result && t < p->target_count; ++t)
-        result = check_counts(g, p, &g->targets[p->first_target + t], error);
+    norma_document_result result = check_counts(g, p, error);
     if (!result) result = norma_gltf_array(g, p->base.position, &elements, error);
     if (!result && p->indices != GLTF_NONE) /* their bytes count as well */
         result = norma_gltf_array(g, p->indices, &elements, error);

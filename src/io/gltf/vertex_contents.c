@@ -16,17 +16,10 @@ static size_t element_size_of(const gltf *g, uint32_t accessor) {
            norma_gltf_component_size(g->accessors[accessor].component);
 }
 
-static size_t attributes_size(const gltf *g, const gltf_attributes *set) {
-    size_t size = 0;
-    for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        size += element_size_of(g, g->attributes[i].accessor);
-    return size;
-}
-
 size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p) {
-    size_t size = attributes_size(g, &p->base);
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        size += attributes_size(g, &g->targets[p->first_target + t]);
+    size_t size = 0;
+    for (uint32_t i = p->base.first; i < p->attribute_end; ++i)
+        size += element_size_of(g, g->attributes[i].accessor);
     return size;
 }
 
@@ -127,19 +120,20 @@ static const unsigned char *copied_row_of(const void *context, size_t row, size_
     return rows->bytes + row * rows->size;
 }
 
-static norma_document_result gather_set(gltf *g, const gltf_primitive *p,
-    const gltf_attributes *set, vertex_rows *rows, size_t *at, norma_document_error *error) {
-    for (uint32_t i = set->first; i < set->first + set->count; ++i) {
+static norma_document_result gather_rows(
+    gltf *g, const gltf_primitive *p, vertex_rows *rows, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t at = 0;
+    for (uint32_t i = p->base.first; i < p->attribute_end && !result; ++i) {
         gltf_array array;
         const uint32_t accessor = g->attributes[i].accessor;
         const size_t size = element_size_of(g, accessor);
-        norma_document_result result = norma_gltf_array(g, accessor, &array, error);
-        if (result) return result;
-        for (size_t v = 0; v < p->vertices && v < array.count; ++v)
-            memcpy(rows->bytes + v * rows->size + *at, array.data + v * array.stride, size);
-        *at += size;
+        result = norma_gltf_array(g, accessor, &array, error);
+        for (size_t v = 0; v < p->vertices && v < array.count && !result; ++v)
+            memcpy(rows->bytes + v * rows->size + at, array.data + v * array.stride, size);
+        at += size;
     }
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 norma_document_result norma_gltf_equal_vertices(
@@ -156,10 +150,7 @@ norma_document_result norma_gltf_equal_vertices(
     if (result) return result;
     rows.bytes = norma_io_allocate(p->vertices, rows.size);
     if (!rows.bytes) return norma_document_fail_memory(document, error);
-    size_t at = 0;
-    result = gather_set(g, p, &p->base, &rows, &at, error);
-    for (uint32_t t = 0; !result && t < p->target_count; ++t)
-        result = gather_set(g, p, &g->targets[p->first_target + t], &rows, &at, error);
+    result = gather_rows(g, p, &rows, error);
     if (!result && !norma_equal_rows(copied_row_of, &rows, p->vertices, first))
         result = norma_document_fail_memory(document, error);
     free(rows.bytes);

@@ -36,14 +36,11 @@ static int has_morphs(const gltf_job *job, const gltf_primitive *p) {
 static int is_same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p) {
     const gltf *g = job->g;
     const gltf_primitive *lead = &g->primitives[set->lead];
-    if (p->target_count != lead->target_count || !same_attributes(g, &p->base, &lead->base) ||
-        (p->mesh != lead->mesh && (set->has_morphs || has_morphs(job, p))))
-        return 0;
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        if (!same_attributes(
-                g, &g->targets[p->first_target + t], &g->targets[lead->first_target + t]))
-            return 0;
-    return 1;
+    int same = p->target_count == lead->target_count &&
+               (p->mesh == lead->mesh || (!set->has_morphs && !has_morphs(job, p)));
+    for (int32_t t = GLTF_SLOT_BASE; same && t < (int32_t)p->target_count; ++t)
+        same = same_attributes(g, norma_gltf_set_of(g, p, t), norma_gltf_set_of(g, lead, t));
+    return same;
 }
 
 static norma_document_result find_broken_normals(gltf_job *job, gltf_set *set, uint32_t normal) {
@@ -114,8 +111,8 @@ static uint64_t mixed_accessors(uint64_t z) {
 static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
     const gltf *g = job->g;
     uint64_t hash = mixed_accessors(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
-    for (uint32_t t = 0; t <= p->target_count; ++t) {
-        const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
+    for (int32_t t = GLTF_SLOT_BASE; t < (int32_t)p->target_count; ++t) {
+        const gltf_attributes *set = norma_gltf_set_of(g, p, t);
         uint64_t sum = 0;
         for (uint32_t i = set->first; i < set->first + set->count; ++i)
             sum += mixed_accessors(g->attributes[i].accessor);
