@@ -6,15 +6,13 @@
 #include <string.h>
 
 static int add_run(gltf_patch *patch, const data_run *run) {
-    data_run *grown =
-        norma_io_grow(patch->runs, &patch->run_capacity, patch->run_count + 1, sizeof *grown);
-    if (!grown) {
+    data_run *added =
+        norma_io_add(&patch->runs, &patch->run_capacity, &patch->run_count, sizeof *added);
+    if (added)
+        *added = *run;
+    else
         free(run->owned);
-        return 0;
-    }
-    patch->runs = grown;
-    patch->runs[patch->run_count++] = *run;
-    return 1;
+    return added != NULL;
 }
 
 static int target_of(const gltf_data *data) { return data->is_indices ? 34963 : 34962; }
@@ -708,13 +706,9 @@ static void choose_places(const placer *p, patch_view *to, uint32_t near) {
 
 /* ---- new views */
 
-static int add_view(gltf_patch *patch) {
-    patch_view *grown =
-        norma_io_grow(patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
-    if (!grown) return 0;
-    patch->views = grown;
-    patch->views[patch->view_count++] = (patch_view){.stride = 0};
-    return 1;
+static patch_view *add_view(gltf_patch *patch) {
+    return norma_io_add(
+        &patch->views, &patch->view_capacity, &patch->view_count, sizeof *patch->views);
 }
 
 static norma_document_result add_new_views(placer *p) {
@@ -727,11 +721,10 @@ static norma_document_result add_new_views(placer *p) {
     for (size_t i = 0; !result && i < patch->run_count; ++i) {
         data_run *run = &patch->runs[i];
         if (run->placed) continue;
-        if (!add_view(patch)) return fail_views(p);
-        const uint32_t view = (uint32_t)patch->view_count - 1;
-        choose_places(
-            p, &patch->views[view], run->old_view == GLTF_NONE ? compressed : run->old_view);
-        result = take_view_together(p, view, i);
+        patch_view *view = add_view(patch);
+        if (!view) return fail_views(p);
+        choose_places(p, view, run->old_view == GLTF_NONE ? compressed : run->old_view);
+        result = take_view_together(p, (uint32_t)patch->view_count - 1, i);
     }
     return result;
 }
@@ -742,8 +735,8 @@ static norma_document_result place_images(placer *p) {
     for (size_t i = 0; i < patch->image_count; ++i) {
         patch_image *image = &patch->images[i];
         const int new = image->view == GLTF_NONE;
-        if (new && !add_view(patch)) return fail_views(p);
-        patch_view *to = &patch->views[new ? patch->view_count - 1 : image->view];
+        patch_view *to = new ? add_view(patch) : &patch->views[image->view];
+        if (!to) return fail_views(p);
         if (new) choose_places(p, to, GLTF_NONE);
         to->plain.bytes = to->owned = image->bytes;
         to->plain.length = image->size;

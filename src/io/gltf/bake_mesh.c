@@ -290,15 +290,14 @@ static int grow_slots(bake_cache *cache) {
 
 /* 0: out of memory */
 static int add_baked_entry(bake_cache *cache, const bake_entry *entry) {
-    bake_entry *grown =
-        cache->count < GLTF_NONE - 1
-            ? norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown)
-            : NULL;
-    if (!grown) return 0;
-    cache->entries = grown;
-    if (2 * (cache->count + 1) > cache->slot_count && !grow_slots(cache)) return 0;
-    cache->entries[cache->count] = *entry;
-    *entry_slot_of(cache, cache->slots, cache->slot_count, entry) = (uint32_t)++cache->count;
+    if (cache->count >= GLTF_NONE - 1 ||
+        (2 * (cache->count + 1) > cache->slot_count && !grow_slots(cache)))
+        return 0;
+    bake_entry *added =
+        norma_io_add(&cache->entries, &cache->capacity, &cache->count, sizeof *added);
+    if (!added) return 0;
+    *added = *entry;
+    *entry_slot_of(cache, cache->slots, cache->slot_count, entry) = (uint32_t)cache->count;
     return 1;
 }
 
@@ -339,12 +338,11 @@ static int identify(bake_cache *cache, bake_map *map) {
     bake_entry key = {MATRIX_ROLE, (uint32_t)mixed, (uint32_t)(mixed >> 32), 0, 0};
     for (; find_entry(cache, &key, &map->id); ++key.map)
         if (memcmp(cache->matrices[map->id], map->matrix, sizeof map->matrix) == 0) return 1;
-    double(*grown)[16] = norma_io_grow(
-        cache->matrices, &cache->matrix_capacity, cache->matrix_count + 1, sizeof *grown);
-    if (!grown) return 0;
-    cache->matrices = grown;
-    memcpy(cache->matrices[cache->matrix_count], map->matrix, sizeof map->matrix);
-    key.data = map->id = (uint32_t)cache->matrix_count++;
+    double *added = norma_io_add(
+        &cache->matrices, &cache->matrix_capacity, &cache->matrix_count, sizeof map->matrix);
+    if (!added) return 0;
+    memcpy(added, map->matrix, sizeof map->matrix);
+    key.data = map->id = (uint32_t)cache->matrix_count - 1;
     return add_baked_entry(cache, &key);
 }
 

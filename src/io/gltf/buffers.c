@@ -533,11 +533,9 @@ static void check_answer(search *s, int yes) {
 /* ---- one asset */
 
 int norma_range_add(ranges *r, size_t start, size_t end) {
-    range *grown = norma_io_grow(r->list, &r->capacity, r->count + 1, sizeof *grown);
-    if (!grown) return 0;
-    r->list = grown;
-    r->list[r->count++] = (range){start, end};
-    return 1;
+    range *added = norma_io_add(&r->list, &r->capacity, &r->count, sizeof *added);
+    if (added) *added = (range){start, end};
+    return added != NULL;
 }
 
 static void add_named_range(search *s, size_t start, size_t end) {

@@ -155,16 +155,22 @@ static int goes_as_data(const gltf *g, uint32_t buffer, gltf_destination destina
            (storage == GLTF_STORED_FILE && destination == GLTF_TO_STREAM);
 }
 
+static int add_segment(
+    patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes) {
+    if (length == 0) return 1;
+    patch_segment *added = norma_io_add(
+        &buffer->segments, &buffer->segment_capacity, &buffer->segment_count, sizeof *added);
+    if (!added) return 0;
+    *added = (patch_segment){offset, length, bytes};
+    buffer->length = offset + length;
+    return 1;
+}
+
 /* The whole buffer as one segment, for one that goes as it was. */
 static int whole(const gltf *g, uint32_t buffer) {
     patch_buffer *b = &g->patch->buffers[buffer];
-    if (b->segment_count) return 1;
-    b->segments = norma_io_allocate(1, sizeof *b->segments);
-    if (!b->segments) return 0;
-    b->length = g->buffers[buffer].length;
-    b->segments[0] = (patch_segment){.length = b->length, .bytes = g->buffers[buffer].bytes};
-    b->segment_count = b->segment_capacity = 1;
-    return 1;
+    return b->segment_count ||
+           add_segment(b, 0, g->buffers[buffer].length, g->buffers[buffer].bytes);
 }
 
 static int edit_buffer(gltf *g, uint32_t number, gltf_destination destination) {
@@ -283,19 +289,6 @@ static spot byte_spot_of(const gltf *g, size_t number) {
     return s;
 }
 
-static int add_segment(
-    patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes) {
-    if (length == 0) return 1;
-    patch_segment *grown = norma_io_grow(
-        buffer->segments, &buffer->segment_capacity, buffer->segment_count + 1, sizeof *grown);
-    if (!grown) return 0;
-    buffer->segments = grown;
-    buffer->segments[buffer->segment_count++] =
-        (patch_segment){.offset = offset, .length = length, .bytes = bytes};
-    buffer->length = offset + length;
-    return 1;
-}
-
 /* Old bytes from the buffer's end up to another, zeros where there are none. */
 static int add_old(patch_buffer *to, size_t end, const unsigned char *old, size_t length) {
     const size_t known = end < length ? end : length;
@@ -337,11 +330,9 @@ typedef struct spans {
 } spans;
 
 static int add_span(spans *s, size_t start, size_t end, patch_place *place) {
-    span *grown = norma_io_grow(s->list, &s->capacity, s->count + 1, sizeof *grown);
-    if (!grown) return 0;
-    s->list = grown;
-    s->list[s->count++] = (span){.start = start, .end = end, .place = place};
-    return 1;
+    span *added = norma_io_add(&s->list, &s->capacity, &s->count, sizeof *added);
+    if (added) *added = (span){.start = start, .end = end, .place = place};
+    return added != NULL;
 }
 
 /* Counts the words that the JSON has on each buffer besides views and their compressed bytes, of

@@ -282,18 +282,12 @@ static int compare_file_names(const void *a, const void *b) {
 
 static norma_document_result add_name(
     companions *c, file_names *names, char *name, uint32_t buffer) {
-    char *plain = name ? plain_name(name) : NULL;
-    file_name *grown =
-        plain ? norma_io_grow(names->list, &names->capacity, names->count + 1, sizeof *grown)
-              : NULL;
-    if (!grown) {
-        free(plain);
+    file_name *added = norma_io_add(&names->list, &names->capacity, &names->count, sizeof *added);
+    if (added)
+        *added = (file_name){name, name ? plain_name(name) : NULL, buffer};
+    else
         free(name);
-        return fail_companions(c);
-    }
-    names->list = grown;
-    names->list[names->count++] = (file_name){name, plain, buffer};
-    return NORMA_DOCUMENT_OK;
+    return added && added->plain ? NORMA_DOCUMENT_OK : fail_companions(c);
 }
 
 static norma_document_result add_image_names(companions *c, file_names *names) {
@@ -321,7 +315,8 @@ static norma_document_result add_files(companions *c, int buffers, int images) {
         if (g->buffers[b].name)
             result = add_name(c, &names, norma_io_join(g->buffers[b].name, ""), b);
     if (!result && images) result = add_image_names(c, &names);
-    if (names.count) qsort(names.list, names.count, sizeof *names.list, compare_file_names);
+    if (!result && names.count)
+        qsort(names.list, names.count, sizeof *names.list, compare_file_names);
     for (size_t i = 0; !result && i < names.count; ++i)
         if (i == 0 || strcmp(names.list[i - 1].plain, names.list[i].plain) != 0)
             result = add_file(c, &names.list[i]);

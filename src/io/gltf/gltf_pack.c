@@ -60,10 +60,9 @@ static norma_document_result add_packed_use(
     packing *p, const gltf_slot *slot, uint32_t accessor, pack_role role, uint32_t width) {
     if (accessor == GLTF_NONE) return NORMA_DOCUMENT_OK;
     pack_entry *entry = &p->entries[accessor];
-    pack_slot *grown = norma_io_grow(p->slots, &p->slot_capacity, p->slot_count + 1, sizeof *grown);
-    if (!grown) return pack_memory(p);
-    p->slots = grown;
-    p->slots[p->slot_count++] = (pack_slot){*slot, accessor};
+    pack_slot *added = norma_io_add(&p->slots, &p->slot_capacity, &p->slot_count, sizeof *added);
+    if (!added) return pack_memory(p);
+    *added = (pack_slot){*slot, accessor};
     if (entry->role != PACK_UNUSED && entry->role != role) entry->barred = 1;
     if (p->g->accessors[accessor].width != width) entry->barred = 1;
     entry->role = role;
@@ -77,10 +76,9 @@ static norma_document_result add_pair(packing *p, uint32_t base, uint32_t delta)
         p->entries[delta].barred = 1; /* nothing says what its differences turn */
         return NORMA_DOCUMENT_OK;
     }
-    pack_pair *grown = norma_io_grow(p->pairs, &p->pair_capacity, p->pair_count + 1, sizeof *grown);
-    if (!grown) return pack_memory(p);
-    p->pairs = grown;
-    p->pairs[p->pair_count++] = (pack_pair){base, delta};
+    pack_pair *added = norma_io_add(&p->pairs, &p->pair_capacity, &p->pair_count, sizeof *added);
+    if (!added) return pack_memory(p);
+    *added = (pack_pair){base, delta};
     return NORMA_DOCUMENT_OK;
 }
 

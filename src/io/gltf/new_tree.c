@@ -21,14 +21,9 @@ static void append_child(gltf_tree *tree, uint32_t parent, uint32_t child) {
 }
 
 static void add_root(gltf_tree *tree, tree_scene *scene, uint32_t root) {
-    uint32_t *grown =
-        norma_io_grow(scene->roots, &scene->capacity, scene->count + 1, sizeof *grown);
-    if (!grown) {
-        tree->failed = 1;
-        return;
-    }
-    scene->roots = grown;
-    scene->roots[scene->count++] = root;
+    uint32_t *added = norma_io_add(&scene->roots, &scene->capacity, &scene->count, sizeof *added);
+    if (added) *added = root;
+    tree->failed |= !added;
 }
 
 static void read_scenes(gltf_tree *tree) {
@@ -92,18 +87,15 @@ void norma_gltf_tree_free(gltf_tree *tree) {
 }
 
 uint32_t norma_gltf_tree_add(gltf_tree *tree, uint32_t like) {
-    tree_node *grown =
+    tree_node *added =
         tree->failed || tree->count >= GLTF_NONE - 1
             ? NULL
-            : norma_io_grow(tree->nodes, &tree->capacity, tree->count + 1, sizeof *grown);
-    if (!grown) {
-        tree->failed = 1;
-        return GLTF_NONE;
-    }
-    tree->nodes = grown;
-    tree->nodes[tree->count] = no_node;
-    tree->nodes[tree->count].like = like;
-    return (uint32_t)tree->count++;
+            : norma_io_add(&tree->nodes, &tree->capacity, &tree->count, sizeof *added);
+    tree->failed |= !added;
+    if (!added) return GLTF_NONE;
+    *added = no_node;
+    added->like = like;
+    return (uint32_t)tree->count - 1;
 }
 
 static void detach(gltf_tree *tree, uint32_t child) {

@@ -135,23 +135,17 @@ size_t norma_gltf_data_size(const gltf_data *data) {
                               : data->width * norma_gltf_component_size(data->component);
 }
 
-/* Room for one more at the end of a list. */
-static int grow_list(void **list, size_t *capacity, size_t count, size_t size) {
-    void *grown = norma_io_grow(*list, capacity, count + 1, size);
-    if (grown) *list = grown;
-    return grown != NULL;
-}
-
 uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || patch->data_count >= GLTF_NONE ||
-        !grow_list((void **)&patch->datas, &patch->data_capacity, patch->data_count,
-            sizeof *patch->datas)) {
+    gltf_data *added =
+        patch && patch->data_count < GLTF_NONE
+            ? norma_io_add(&patch->datas, &patch->data_capacity, &patch->data_count, sizeof *added)
+            : NULL;
+    if (added)
+        *added = *data;
+    else
         free(data->bytes);
-        return GLTF_NONE;
-    }
-    patch->datas[patch->data_count] = *data;
-    return (uint32_t)patch->data_count++;
+    return added ? (uint32_t)patch->data_count - 1 : GLTF_NONE;
 }
 
 static void find_old(const gltf *g, patch_slot *slot) {
@@ -171,10 +165,10 @@ static void find_old(const gltf *g, patch_slot *slot) {
 
 int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow_list((void **)&patch->slots, &patch->slot_capacity, patch->slot_count,
-                      sizeof *patch->slots))
-        return 0;
-    patch_slot *added = &patch->slots[patch->slot_count++];
+    patch_slot *added = patch ? norma_io_add(&patch->slots, &patch->slot_capacity,
+                                    &patch->slot_count, sizeof *added)
+                              : NULL;
+    if (!added) return 0;
     *added = (patch_slot){.slot = *slot, .data = data};
     find_old(g, added);
     return 1;
@@ -194,34 +188,31 @@ void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mo
 
 uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    json_edits *edits = norma_json_edits_create(&g->json, g->meshes[mesh].token);
-    if (!patch || !edits ||
-        !grow_list((void **)&patch->copies, &patch->copy_capacity, patch->copy_count,
-            sizeof *patch->copies)) {
-        norma_json_edits_destroy(edits);
-        return 0;
-    }
-    *mesh_number = g->mesh_count + (uint32_t)patch->copy_count;
-    patch->copies[patch->copy_count++] = (patch_copy){.mesh = mesh, .edits = edits};
-    return (uint32_t)patch->copy_count;
+    patch_copy *added = patch ? norma_io_add(&patch->copies, &patch->copy_capacity,
+                                    &patch->copy_count, sizeof *added)
+                              : NULL;
+    if (!added) return 0;
+    *added = (patch_copy){mesh, norma_json_edits_create(&g->json, g->meshes[mesh].token)};
+    *mesh_number = g->mesh_count + (uint32_t)patch->copy_count - 1;
+    return added->edits ? (uint32_t)patch->copy_count : 0;
 }
 
 int norma_gltf_release(gltf *g, uint32_t accessor) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow_list((void **)&patch->released, &patch->released_capacity,
-                      patch->released_count, sizeof *patch->released))
-        return 0;
-    patch->released[patch->released_count++] = accessor;
-    return 1;
+    uint32_t *added = patch ? norma_io_add(&patch->released, &patch->released_capacity,
+                                  &patch->released_count, sizeof *added)
+                            : NULL;
+    if (added) *added = accessor;
+    return added != NULL;
 }
 
 int norma_gltf_strip(gltf *g, uint32_t primitive) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow_list((void **)&patch->stripped, &patch->stripped_capacity,
-                      patch->stripped_count, sizeof *patch->stripped))
-        return 0;
-    patch->stripped[patch->stripped_count++] = primitive;
-    return 1;
+    uint32_t *added = patch ? norma_io_add(&patch->stripped, &patch->stripped_capacity,
+                                  &patch->stripped_count, sizeof *added)
+                            : NULL;
+    if (added) *added = primitive;
+    return added != NULL;
 }
 
 int norma_gltf_unlist(gltf *g, const char *extension) {
@@ -367,11 +358,10 @@ static norma_document_result unpack(gltf *g, const group *of, norma_document_err
     const uint32_t copy = of->changes->copy, primitive = of->changes->primitive,
                    token = g->primitives[primitive].token,
                    extensions = norma_json_member(&g->json, token, "extensions");
-    patch_unpacked *grown = norma_io_grow(
-        patch->unpacked, &patch->unpacked_capacity, patch->unpacked_count + 1, sizeof *grown);
-    if (!grown) return norma_document_fail_memory(g->document, error);
-    patch->unpacked = grown;
-    patch->unpacked[patch->unpacked_count++] = (patch_unpacked){copy, primitive};
+    patch_unpacked *added = norma_io_add(
+        &patch->unpacked, &patch->unpacked_capacity, &patch->unpacked_count, sizeof *added);
+    if (!added) return norma_document_fail_memory(g->document, error);
+    *added = (patch_unpacked){copy, primitive};
     if (norma_json_size(&g->json, extensions) == 1)
         norma_json_unset(norma_gltf_edits(g, copy), token, "extensions");
     else
@@ -606,16 +596,6 @@ static norma_document_result drop_unchanged(gltf *g, norma_document_error *error
     return NORMA_DOCUMENT_OK;
 }
 
-static int add_accessor(gltf_patch *patch, uint32_t data, uint32_t like) {
-    patch_accessor *grown = norma_io_grow(
-        patch->accessors, &patch->accessor_capacity, patch->accessor_count + 1, sizeof *grown);
-    if (!grown) return 0;
-    patch->accessors = grown;
-    patch->accessors[patch->accessor_count++] =
-        (patch_accessor){.data = data, .like = like, .view = GLTF_NONE};
-    return 1;
-}
-
 static void point_slot(gltf *g, const patch_slot *slot, uint32_t accessor) {
     json_edits *edits = norma_gltf_edits(g, slot->slot.copy);
     const gltf_primitive *p = &g->primitives[slot->slot.primitive];
@@ -652,8 +632,10 @@ static norma_document_result assign(
                 patch->datas[data].is_indices ? 34963 : 34962);
         } else if (of_data[data] == GLTF_NONE) {
             of_data[data] = g->accessor_count + (uint32_t)patch->accessor_count;
-            if (!add_accessor(patch, data, slot->old))
-                return norma_document_fail_memory(g->document, error);
+            patch_accessor *added = norma_io_add(&patch->accessors, &patch->accessor_capacity,
+                &patch->accessor_count, sizeof *added);
+            if (!added) return norma_document_fail_memory(g->document, error);
+            *added = (patch_accessor){.data = data, .like = slot->old, .view = GLTF_NONE};
         }
         point_slot(g, slot, of_data[data]);
     }

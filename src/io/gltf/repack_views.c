@@ -34,12 +34,10 @@ typedef struct repacking {
 } repacking;
 
 static int add_view_user(repacking *r, const view_user *user) {
-    view_user *grown = norma_io_grow(r->users, &r->capacity, r->count + 1, sizeof *grown);
-    if (!grown) return 0;
-    r->users = grown;
-    r->users[r->count++] = *user;
+    view_user *added = norma_io_add(&r->users, &r->capacity, &r->count, sizeof *added);
+    if (added) *added = *user;
     r->staying += !user->run;
-    return 1;
+    return added != NULL;
 }
 
 static int list_view_users(repacking *r, uint32_t first, const uint32_t *next) {

@@ -152,13 +152,12 @@ static norma_document_result turn_images(turner *t) {
 static int put_in_view(
     turner *t, json_edits *edits, uint32_t token, uint64_t view, green_image *image) {
     gltf_patch *patch = norma_gltf_patch_of(t->g);
-    patch_image *grown = patch ? norma_io_grow(patch->images, &patch->image_capacity,
-                                     patch->image_count + 1, sizeof *grown)
+    patch_image *added = patch ? norma_io_add(&patch->images, &patch->image_capacity,
+                                     &patch->image_count, sizeof *added)
                                : NULL;
-    if (!grown) return 0;
+    if (!added) return 0;
     const int own = image->made < t->image_count && is_own_view(t, view);
-    patch->images = grown;
-    patch->images[patch->image_count++] = (patch_image){
+    *added = (patch_image){
         own ? (uint32_t)view : GLTF_NONE, (unsigned char *)image->bytes.data, image->bytes.size};
     image->bytes = (growing_bytes){0};
     if (!own) norma_json_set_uint(edits, token, "bufferView", t->g->view_count + t->more_views++);
