@@ -360,23 +360,37 @@ static const struct {
     {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
 enum { TYPE_COUNT = sizeof ELEMENT_TYPES / sizeof ELEMENT_TYPES[0], TYPE_MAT2 = 4 };
 
-size_t norma_gltf_component_size(int component) {
-    switch (component) {
-    case GLTF_BYTE:
-    case GLTF_UBYTE:
-        return 1;
-    case GLTF_SHORT:
-    case GLTF_USHORT:
-    case GLTF_HALF:
-        return 2;
-    case GLTF_UINT:
-    case GLTF_FLOAT:
-        return 4;
-    case GLTF_DOUBLE:
-        return 8;
-    default:
-        return 0;
-    }
+/* What is known of a component type: its bytes, what a normalised code of it is divided by, what
+ * the core and people call it. */
+typedef struct component_type {
+    size_t size;
+    double largest;
+    norma_format format;
+    const char *name;
+} component_type;
+
+static const component_type *component_type_of(int component) {
+    static const component_type
+        unknown = {0, 1, NORMA_FORMAT_FLOAT, "float"},
+        types[] = {[GLTF_BYTE - GLTF_BYTE] = {1, 127, NORMA_FORMAT_INT8, "snorm8"},
+            [GLTF_UBYTE - GLTF_BYTE] = {1, 255, NORMA_FORMAT_UINT8, "unorm8"},
+            [GLTF_SHORT - GLTF_BYTE] = {2, 32767, NORMA_FORMAT_INT16, "snorm16"},
+            [GLTF_USHORT - GLTF_BYTE] = {2, 65535, NORMA_FORMAT_UINT16, "unorm16"},
+            [GLTF_UINT - GLTF_BYTE] = {4, 1, NORMA_FORMAT_FLOAT, "float"},
+            [GLTF_FLOAT - GLTF_BYTE] = {4, 1, NORMA_FORMAT_FLOAT, "float"},
+            [GLTF_DOUBLE - GLTF_BYTE] = {8, 1, NORMA_FORMAT_DOUBLE, "double"},
+            [GLTF_HALF - GLTF_BYTE] = {2, 1, NORMA_FORMAT_FLOAT, "float16"}};
+    return component < GLTF_BYTE || component > GLTF_HALF || !types[component - GLTF_BYTE].size
+               ? &unknown
+               : &types[component - GLTF_BYTE];
+}
+
+size_t norma_gltf_component_size(int component) { return component_type_of(component)->size; }
+
+double norma_gltf_largest_code(int component) { return component_type_of(component)->largest; }
+
+const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
+    return accessor == GLTF_NONE ? "" : component_type_of(g->accessors[accessor].component)->name;
 }
 
 int norma_gltf_index_component(
@@ -495,13 +509,6 @@ static norma_document_result locate_elements(gltf *g, const gltf_elements *eleme
     return result;
 }
 
-static uint32_t read_uint(const unsigned char *at, int component) {
-    uint32_t value = at[0];
-    if (component != GLTF_UBYTE) value |= (uint32_t)at[1] << 8;
-    if (component == GLTF_UINT) value |= (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-    return value;
-}
-
 norma_document_result norma_gltf_sparse_indices(
     gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[accessor];
@@ -512,7 +519,7 @@ norma_document_result norma_gltf_sparse_indices(
             a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size},
         &stride, &indices, error);
     for (size_t i = 0; !result && i < a->sparse.count; ++i) {
-        out[i] = read_uint(indices + i * stride, a->sparse.indices_component);
+        out[i] = norma_gltf_read_uint(indices + i * stride, a->sparse.indices_component);
         if (out[i] >= a->count)
             result = norma_gltf_malformed(g, error, a->token, "sparse indices below count");
     }
@@ -580,7 +587,7 @@ norma_document_result norma_gltf_array(
 }
 
 static double half_at(const unsigned char *at) {
-    const uint32_t bits = read_uint(at, GLTF_USHORT), exponent = bits >> 10 & 31,
+    const uint32_t bits = norma_gltf_read_uint(at, GLTF_USHORT), exponent = bits >> 10 & 31,
                    fraction = bits & 1023;
     const double size = exponent == 0    ? ldexp(fraction, -24)
                         : exponent == 31 ? (fraction ? (double)NAN : (double)INFINITY)
@@ -616,10 +623,10 @@ static double component_at(const unsigned char *at, int component) {
     case GLTF_UBYTE:
         return at[0];
     case GLTF_SHORT:
-        code = (int32_t)read_uint(at, GLTF_USHORT);
+        code = (int32_t)norma_gltf_read_uint(at, GLTF_USHORT);
         return code < 32768 ? code : code - 65536;
     case GLTF_USHORT:
-        return read_uint(at, GLTF_USHORT);
+        return norma_gltf_read_uint(at, GLTF_USHORT);
     case GLTF_FLOAT:
         memcpy(&single, at, sizeof single);
         return (double)single;
@@ -629,7 +636,7 @@ static double component_at(const unsigned char *at, int component) {
     case GLTF_HALF:
         return half_at(at);
     default:
-        return read_uint(at, GLTF_UINT);
+        return norma_gltf_read_uint(at, GLTF_UINT);
     }
 }
 
@@ -642,14 +649,6 @@ void norma_gltf_write_number(unsigned char *at, int component, double number) {
     else
         norma_gltf_write_index(at, component == GLTF_HALF ? GLTF_USHORT : component,
             component == GLTF_HALF ? half_bits(number) : (uint32_t)(int32_t)number);
-}
-
-double norma_gltf_largest_code(int component) {
-    return component == GLTF_BYTE     ? 127
-           : component == GLTF_UBYTE  ? 255
-           : component == GLTF_SHORT  ? 32767
-           : component == GLTF_USHORT ? 65535
-                                      : 1;
 }
 
 void norma_gltf_doubles(const gltf_array *array, size_t index, double *out) {
@@ -675,32 +674,15 @@ void norma_gltf_floats(const gltf_array *array, size_t index, float *out) {
 void norma_gltf_uints(const gltf_array *array, size_t index, uint32_t *out) {
     size_t size = norma_gltf_component_size(array->component);
     for (uint32_t i = 0; i < array->width; ++i)
-        out[i] = read_uint(array->data + index * array->stride + i * size, array->component);
+        out[i] =
+            norma_gltf_read_uint(array->data + index * array->stride + i * size, array->component);
 }
 
 norma_vec3_view norma_gltf_vec3_view(const gltf_array *array) {
-    norma_format format = NORMA_FORMAT_FLOAT;
-    switch (array->component) {
-    case GLTF_BYTE:
-        format = NORMA_FORMAT_INT8;
-        break;
-    case GLTF_UBYTE:
-        format = NORMA_FORMAT_UINT8;
-        break;
-    case GLTF_SHORT:
-        format = NORMA_FORMAT_INT16;
-        break;
-    case GLTF_USHORT:
-        format = NORMA_FORMAT_UINT16;
-        break;
-    case GLTF_DOUBLE:
-        format = NORMA_FORMAT_DOUBLE;
-        break;
-    default:
-        break;
-    }
-    return (norma_vec3_view){
-        .data = array->data, .count = array->count, .stride = array->stride, .format = format};
+    return (norma_vec3_view){.data = array->data,
+        .count = array->count,
+        .stride = array->stride,
+        .format = component_type_of(array->component)->format};
 }
 
 /* ---- Accessors as floats, decoded once. */

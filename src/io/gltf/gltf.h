@@ -227,6 +227,18 @@ static inline uint32_t norma_gltf_u32(const unsigned char *at) { /* as GLB store
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
+/* Whether this machine stores numbers as glTF does. */
+static inline int norma_gltf_is_low_first(void) {
+    return norma_gltf_u32((const unsigned char *)&(const uint32_t){1}) == 1;
+}
+
+/* An unsigned integer, as an accessor stores it. */
+static inline uint32_t norma_gltf_read_uint(const unsigned char *at, int component) {
+    return component == GLTF_UBYTE    ? at[0]
+           : component == GLTF_USHORT ? (uint32_t)at[0] | (uint32_t)at[1] << 8
+                                      : norma_gltf_u32(at);
+}
+
 static inline gltf *norma_gltf_of(const norma_document *document) { return document->state; }
 
 /* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */
@@ -465,7 +477,7 @@ norma_document_result norma_gltf_equal_vertices(
 norma_document_result norma_gltf_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 /* How the components of an accessor are stored, in a word; "" for GLTF_NONE. */
-const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor); /* gltf_scene.c */
+const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor); /* accessors.c */
 
 /* ---- 4x4 matrices as glTF's nodes can say them (nodes.c). Column-major, affine: the last row is
  * taken as 0 0 0 1. */

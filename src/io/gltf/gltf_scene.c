@@ -424,26 +424,6 @@ static norma_document_result gltf_materials(norma_document *document, norma_docu
 
 /* ---- attributes */
 
-const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
-    if (accessor == GLTF_NONE) return "";
-    switch (g->accessors[accessor].component) {
-    case GLTF_BYTE:
-        return "snorm8";
-    case GLTF_SHORT:
-        return "snorm16";
-    case GLTF_UBYTE:
-        return "unorm8";
-    case GLTF_USHORT:
-        return "unorm16";
-    case GLTF_HALF:
-        return "float16";
-    case GLTF_DOUBLE:
-        return "double";
-    default:
-        return "float";
-    }
-}
-
 /* A set of UVs that is there and is one; what is not, this library has no use for, and others will
  * say. */
 static norma_document_result read_vertex_texcoords(gltf *g, const gltf_primitive *p, size_t set,

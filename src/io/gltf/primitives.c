@@ -337,11 +337,7 @@ static void widen_indices(const gltf_array *indices, size_t count, uint32_t *out
         memcpy(out, at, count * sizeof *out);
     else
         for (size_t i = 0; i < count; ++i, at += stride)
-            out[i] = indices->component == GLTF_UBYTE ? at[0]
-                     : indices->component == GLTF_USHORT
-                         ? (uint32_t)at[0] | (uint32_t)at[1] << 8
-                         : (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 |
-                               (uint32_t)at[3] << 24;
+            out[i] = norma_gltf_read_uint(at, indices->component);
 }
 
 /* list: the indices in order; NULL: 0, 1, 2, ... It may be the corners themselves, of a triangle
@@ -370,10 +366,7 @@ static int all_below(const uint32_t *indices, size_t count, size_t limit) {
  * not so elements of the accessor's own, which may yet be made anew. */
 static const uint32_t *corners_in_place(
     const gltf *g, const gltf_primitive *p, const gltf_array *indices) {
-    const uint32_t probe = 1;
-    unsigned char first;
-    memcpy(&first, &probe, 1);
-    if (!first || p->mode != GLTF_TRIANGLES || p->indices == GLTF_NONE ||
+    if (!norma_gltf_is_low_first() || p->mode != GLTF_TRIANGLES || p->indices == GLTF_NONE ||
         g->accessors[p->indices].owned || indices->component != GLTF_UINT ||
         indices->stride != sizeof(uint32_t) || (uintptr_t)indices->data % sizeof(uint32_t) != 0)
         return NULL;

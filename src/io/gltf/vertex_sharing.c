@@ -450,13 +450,6 @@ static norma_document_result encode_new_indices(
     return NORMA_DOCUMENT_OK;
 }
 
-static int stores_low_byte_first(void) {
-    const uint32_t probe = 1;
-    unsigned char first;
-    memcpy(&first, &probe, 1);
-    return first == 1;
-}
-
 /* Takes the corners, which it frees or hands on. */
 static norma_document_result put_index_list(
     gltf_job *job, uint32_t number, uint32_t *corners, size_t count, size_t extra) {
@@ -477,7 +470,7 @@ static norma_document_result put_index_list(
         .width = 1,
         .count = count + extra,
         .is_indices = 1};
-    if (data.component == GLTF_UINT && extra == 0 && stores_low_byte_first()) {
+    if (data.component == GLTF_UINT && extra == 0 && norma_gltf_is_low_first()) {
         data.bytes = (unsigned char *)corners;
     } else {
         result = encode_new_indices(job, &data, corners, count, &old);
