@@ -148,39 +148,50 @@ norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joi
     return result;
 }
 
-/* From the mesh, as it was bound, to the scene, for each joint of the list. Where the first joint
- * takes the mesh's origin is kept apart, in doubles: a skin that stands far away loses nothing. */
-static norma_document_result fill_joints(gltf *g, uint32_t list, const gltf_array *inverse,
-    gltf_joints *made, norma_document_error *error) {
+norma_document_result norma_gltf_read_joints(
+    gltf *g, uint32_t skin, uint32_t **joints, size_t *count, norma_document_error *error) {
     const json *j = &g->json;
-    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item); ++made->count) {
+    const uint32_t list = norma_json_member(j, skin, "joints");
+    *count = 0;
+    *joints = NULL;
+    if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
+        return norma_gltf_malformed(g, error, list, "an array");
+    *joints = norma_io_allocate(norma_json_size(j, list), sizeof **joints);
+    if (!*joints) return norma_document_fail_memory(g->document, error);
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);) {
         uint64_t node;
-        double bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, matrix[16];
-        float *to = made->matrices + 16 * made->count;
         if (!norma_json_uint(j, item, &node) || node >= g->node_count)
             return norma_gltf_malformed(g, error, item, "the number of an existing node");
-        if (inverse) norma_gltf_doubles(inverse, made->count, bound);
-        norma_gltf_matrix_multiply(g->nodes[node].world, bound, matrix);
-        if (made->count == 0) memcpy(made->origin, matrix + 12, sizeof made->origin);
-        for (int i = 0; i < 16; ++i)
-            to[i] = (float)(i < 12 || i > 14 ? matrix[i] : matrix[i] - made->origin[i - 12]);
+        (*joints)[(*count)++] = (uint32_t)node;
     }
     return NORMA_DOCUMENT_OK;
 }
 
+/* From the mesh, as it was bound, to the scene, for each joint. Where the first joint takes the
+ * mesh's origin is kept apart, in doubles: a skin that stands far away loses nothing. */
 static norma_document_result make_joints(
     gltf *g, uint32_t skin, gltf_joints *made, norma_document_error *error) {
     gltf_array inverse;
+    uint32_t *joints;
     int there;
-    const uint32_t list = norma_json_member(&g->json, skin, "joints");
-    const size_t count =
-        norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
-    norma_document_result result = norma_gltf_read_inverse(g, skin, count, &inverse, &there, error);
-    if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof *made->matrices, error);
-    if (result) return result;
-    made->matrices = norma_scene_allocate(g->document->scene, count, 16 * sizeof *made->matrices);
-    if (!made->matrices) return norma_document_fail_memory(g->document, error);
-    return fill_joints(g, list, there ? &inverse : NULL, made, error);
+    norma_document_result result = norma_gltf_read_joints(g, skin, &joints, &made->count, error);
+    if (!result) result = norma_gltf_read_inverse(g, skin, made->count, &inverse, &there, error);
+    if (!result)
+        result = norma_gltf_spend(g, skin, made->count, 16 * sizeof *made->matrices, error);
+    if (!result && !(made->matrices = norma_scene_allocate(
+                         g->document->scene, made->count, 16 * sizeof *made->matrices)))
+        result = norma_document_fail_memory(g->document, error);
+    for (size_t j = 0; !result && j < made->count; ++j) {
+        double bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, matrix[16];
+        if (there) norma_gltf_doubles(&inverse, j, bound);
+        norma_gltf_matrix_multiply(g->nodes[joints[j]].world, bound, matrix);
+        if (j == 0) memcpy(made->origin, matrix + 12, sizeof made->origin);
+        for (int i = 0; i < 16; ++i)
+            made->matrices[16 * j + (size_t)i] =
+                (float)(i < 12 || i > 14 ? matrix[i] : matrix[i] - made->origin[i - 12]);
+    }
+    free(joints);
+    return result;
 }
 
 /* A skin's matrices are the same for every node that it moves: they are made once. */

@@ -554,6 +554,9 @@ uint32_t norma_gltf_normal_use(
 norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material); /* or clear coat's */
 int norma_gltf_moves(const norma_texture_info *place); /* its transform is not the identity */
 
+/* drawn_mesh.c: the nodes that are a skin's joints; to be freed after a failure too. */
+norma_document_result norma_gltf_read_joints(
+    gltf *g, uint32_t skin, uint32_t **joints, size_t *count, norma_document_error *error);
 /* drawn_mesh.c: the inverse bind matrices of a skin, if they are there. */
 norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
     gltf_array *array, int *there, norma_document_error *error);

@@ -185,9 +185,9 @@ typedef struct pose {
     size_t joint_count;
     norma_skin_info *info;
     const gltf_channel **rotation,
-        **scale;   /* of each node in the animation that is played; NULL: at rest */
-    double *world; /* nine for each node */
-    size_t *stamp; /* of each node: the time that its world is of, from 1 */
+        **scale;         /* of each node in the animation that is played; NULL: at rest */
+    double (*world)[16]; /* of each node; its translation means nothing where a channel moves it */
+    size_t *stamp;       /* of each node: the time that its world is of, from 1 */
     uint32_t *chain;
     double *times;
     /* while errors of normals are measured */
@@ -207,11 +207,11 @@ static norma_document_result fail_skin(const pose *p, norma_document_error *erro
 
 /* ---- anisotropy */
 
-static void judge_joint(pose *p, const double upper[9], uint32_t joint) {
+static void judge_joint(pose *p, const double world[16], uint32_t joint) {
     double scaled[9], values[3], vectors[9], largest = 0, anisotropy = INFINITY;
-    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(upper[i]));
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(world[4 * (i / 3) + i % 3]));
     if (largest > 0 && isfinite(largest)) {
-        for (int i = 0; i < 9; ++i) scaled[i] = upper[i] / largest;
+        for (int i = 0; i < 9; ++i) scaled[i] = world[4 * (i / 3) + i % 3] / largest;
         norma_singular_values(scaled, values, vectors);
         double most = fmax(values[0], fmax(values[1], values[2])),
                least = fmin(values[0], fmin(values[1], values[2]));
@@ -220,15 +220,6 @@ static void judge_joint(pose *p, const double upper[9], uint32_t joint) {
     if (p->info->joint == SIZE_MAX || anisotropy > p->info->anisotropy) {
         p->info->anisotropy = anisotropy;
         p->info->joint = joint;
-    }
-}
-
-static void judge_rest(pose *p) {
-    for (size_t i = 0; i < p->joint_count; ++i) {
-        const double *world = p->g->nodes[p->joints[i]].world;
-        const double upper[9] = {world[0], world[1], world[2], world[4], world[5], world[6],
-            world[8], world[9], world[10]};
-        judge_joint(p, upper, p->joints[i]);
     }
 }
 
@@ -242,30 +233,21 @@ static void read_rest(const gltf *g, uint32_t node, const char *key, size_t coun
         norma_json_number(j, item, &out[i++]);
 }
 
-static void local_at(const pose *p, uint32_t node, double time, double upper[9]) {
-    double m[16];
+static void local_at(const pose *p, uint32_t node, double time, double local[16]) {
+    gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+    double value[4];
     if (!p->rotation[node] && !p->scale[node]) {
-        memcpy(m, p->g->nodes[node].local, sizeof m);
-    } else {
-        gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
-        double value[4];
-        read_rest(p->g, node, "rotation", 4, trs.rotation);
-        read_rest(p->g, node, "scale", 3, trs.scale);
-        if (p->rotation[node]) gltf_channel_at(p->rotation[node], time, trs.rotation);
-        if (p->scale[node]) {
-            gltf_channel_at(p->scale[node], time, value);
-            memcpy(trs.scale, value, sizeof trs.scale);
-        }
-        norma_gltf_matrix_compose(&trs, m);
+        memcpy(local, p->g->nodes[node].local, sizeof p->g->nodes[node].local);
+        return;
     }
-    for (int i = 0; i < 9; ++i) upper[i] = m[4 * (i / 3) + i % 3];
-}
-
-static void multiply_pose(const double a[9], const double b[9], double out[9]) {
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] +
-                                    a[6 + row] * b[3 * column + 2];
+    read_rest(p->g, node, "rotation", 4, trs.rotation);
+    read_rest(p->g, node, "scale", 3, trs.scale);
+    if (p->rotation[node]) gltf_channel_at(p->rotation[node], time, trs.rotation);
+    if (p->scale[node]) {
+        gltf_channel_at(p->scale[node], time, value);
+        memcpy(trs.scale, value, sizeof trs.scale);
+    }
+    norma_gltf_matrix_compose(&trs, local);
 }
 
 /* How many nodes were visited. */
@@ -279,15 +261,12 @@ static size_t play(pose *p, double time, size_t stamp) {
         visited += depth;
         while (depth-- > 0) {
             uint32_t node = p->chain[depth], parent = p->g->nodes[node].parent;
-            double local[9];
-            local_at(p, node, time, local);
-            if (parent == GLTF_NONE)
-                memcpy(p->world + 9 * (size_t)node, local, sizeof local);
-            else
-                multiply_pose(p->world + 9 * (size_t)parent, local, p->world + 9 * (size_t)node);
+            local_at(p, node, time, p->world[node]);
+            if (parent != GLTF_NONE)
+                norma_gltf_matrix_multiply(p->world[parent], p->world[node], p->world[node]);
             p->stamp[node] = stamp;
         }
-        if (!p->is_measuring) judge_joint(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
+        if (!p->is_measuring) judge_joint(p, p->world[p->joints[i]], p->joints[i]);
     }
     return visited;
 }
@@ -362,31 +341,13 @@ static norma_document_result take_channels(pose *p, const gltf_animation *animat
     return result;
 }
 
-static norma_document_result judge_animation(
-    pose *p, const gltf_animation *animation, norma_document_error *error) {
-    int uneven;
-    size_t times;
-    norma_document_result result = take_channels(p, animation, &uneven, &times, error);
-    if (result || !uneven) return result;
-    p->times = norma_io_allocate(times, sizeof *p->times);
-    if (!p->times) return fail_skin(p, error);
-    times = collect_times(p, animation);
-    memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
-    for (size_t i = 0; !result && i < times; ++i) {
-        size_t visited = play(p, p->times[i], i + 1);
-        result = spend(p, 8 * visited, error);
-    }
-    free(p->times);
-    return result;
-}
-
 /* What playing takes, for the first animation. */
 static norma_document_result allocate_pose(pose *p, norma_document_error *error) {
     size_t count = p->g->node_count;
     if (p->rotation) return NORMA_DOCUMENT_OK;
     p->rotation = norma_io_allocate(count, sizeof *p->rotation);
     p->scale = norma_io_allocate(count, sizeof *p->scale);
-    p->world = norma_io_allocate(count, 9 * sizeof *p->world);
+    p->world = norma_io_allocate(count, sizeof *p->world);
     p->stamp = norma_io_allocate(count, sizeof *p->stamp);
     p->chain = norma_io_allocate(count, sizeof *p->chain);
     return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK
@@ -400,19 +361,6 @@ static void mark_chains(pose *p) {
         for (uint32_t at = p->joints[i]; at != GLTF_NONE && !p->stamp[at];
              at = p->g->nodes[at].parent)
             p->stamp[at] = 1;
-}
-
-static norma_document_result judge_animations(pose *p, norma_document_error *error) {
-    norma_document_result result = gltf_animations(p->g, p->scene, error);
-    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
-        result = spend(p, p->g->node_count + p->joint_count, error);
-        if (!result) result = allocate_pose(p, error);
-        if (!result) {
-            mark_chains(p);
-            result = judge_animation(p, &p->scene->animations[i], error);
-        }
-    }
-    return result;
 }
 
 /* ---- Errors of normals: many skinning shaders take them through the blended matrix itself, which
@@ -447,41 +395,13 @@ static void measure_angles(
     }
 }
 
-/* Calls for each primitive that the skin moves and that has normals. */
-typedef norma_document_result visit_skinned(
-    pose *p, uint32_t primitive, void *user, norma_document_error *error);
-
-static norma_document_result visit_primitives_of_skin(
-    pose *p, visit_skinned *visit, void *user, norma_document_error *error) {
-    const gltf *g = p->g;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t i = 0; i < g->drawing_count; ++i) {
-        const gltf_node *node = &g->nodes[g->drawing[i]];
-        const gltf_mesh *mesh = &g->meshes[node->mesh];
-        for (uint32_t k = 0; node->skin == p->index && k < mesh->primitive_count && !result; ++k) {
-            const gltf_primitive *of = &g->primitives[mesh->first_primitive + k];
-            if (!of->not_read && of->base.normal != GLTF_NONE)
-                result = visit(p, mesh->first_primitive + k, user, error);
-        }
-    }
-    return result;
-}
-
-static norma_document_result add_vertex_count(
-    pose *p, uint32_t primitive, void *user, norma_document_error *error) {
-    (void)error;
-    *(size_t *)user += p->g->primitives[primitive].vertices;
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result measure_primitive(
-    pose *p, uint32_t primitive, void *user, norma_document_error *error) {
+    pose *p, uint32_t primitive, norma_document_error *error) {
     gltf *g = p->g;
     const uint32_t normal = g->primitives[primitive].base.normal;
     norma_skin skin = {.matrices = p->matrices, .joint_count = p->joint_count};
     norma_vec3_view normals = {.count = g->accessors[normal].count};
     const float *stored = NULL;
-    (void)user;
     norma_document_result result =
         spend(p, EFFORT_OF_VERTEX * g->primitives[primitive].vertices, error);
     if (!result) result = norma_gltf_decode(g, normal, 3, &stored, error);
@@ -506,51 +426,87 @@ static norma_document_result measure_primitive(
     return result;
 }
 
-/* worlds: nine numbers for each node; NULL: at rest. */
-static norma_document_result measure_moment(
-    pose *p, const double *worlds, norma_document_error *error) {
+/* Each primitive that the skin moves and that has normals is measured; or, where vertices is not
+ * NULL, its vertices are added to that. */
+static norma_document_result visit_skinned(pose *p, size_t *vertices, norma_document_error *error) {
+    const gltf *g = p->g;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t i = 0; i < g->drawing_count; ++i) {
+        const gltf_node *node = &g->nodes[g->drawing[i]];
+        const gltf_mesh *mesh = &g->meshes[node->mesh];
+        for (uint32_t k = 0; node->skin == p->index && k < mesh->primitive_count && !result; ++k) {
+            const gltf_primitive *of = &g->primitives[mesh->first_primitive + k];
+            if (of->not_read || of->base.normal == GLTF_NONE) continue;
+            if (vertices)
+                *vertices += of->vertices;
+            else
+                result = measure_primitive(p, mesh->first_primitive + k, error);
+        }
+    }
+    return result;
+}
+
+static norma_document_result measure_moment(pose *p, norma_document_error *error) {
     for (size_t j = 0; j < p->joint_count; ++j) {
-        double world[16] = {0}, bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-               matrix[16];
-        for (size_t i = 0; i < 9; ++i)
-            world[i / 3 * 4 + i % 3] = worlds ? worlds[9 * (size_t)p->joints[j] + i]
-                                              : p->g->nodes[p->joints[j]].world[i / 3 * 4 + i % 3];
-        world[15] = 1;
+        const uint32_t joint = p->joints[j];
+        double bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, matrix[16];
         if (p->has_inverse) norma_gltf_doubles(&p->inverse, j, bound);
-        norma_gltf_matrix_multiply(world, bound, matrix);
+        norma_gltf_matrix_multiply(
+            p->animation == SIZE_MAX ? p->g->nodes[joint].world : p->world[joint], bound, matrix);
         for (int i = 0; i < 16; ++i)
             p->matrices[16 * j + (size_t)i] = i < 12 ? (float)matrix[i] : 0;
     }
-    return visit_primitives_of_skin(p, measure_primitive, NULL, error);
+    return visit_skinned(p, NULL, error);
 }
 
-static norma_document_result measure_keys(
+/* ---- An animation at each of its moments: the joints are judged or, as far as time lasts, the
+ * normals of the vertices measured. */
+
+static norma_document_result play_animation(
     pose *p, const gltf_animation *animation, size_t vertices, norma_document_error *error) {
     int uneven;
-    size_t times;
+    size_t times, step = 1;
     norma_document_result result = take_channels(p, animation, &uneven, &times, error);
-    if (result || !times) return result;
+    if (result || !(p->is_measuring ? times > 0 : uneven)) return result;
     p->times = norma_io_allocate(times, sizeof *p->times);
     if (!p->times) return fail_skin(p, error);
     times = collect_times(p, animation);
-    const size_t left = most_effort(p) - *p->effort,
-                 of_key = EFFORT_OF_VERTEX * vertices + 16 * (p->g->node_count + p->joint_count),
-                 room = left / 2 / of_key, step = room ? (times + room - 1) / room : 0;
+    if (p->is_measuring) {
+        const size_t left = most_effort(p) - *p->effort,
+                     of_key =
+                         EFFORT_OF_VERTEX * vertices + 16 * (p->g->node_count + p->joint_count),
+                     room = left / 2 / of_key;
+        step = room ? (times + room - 1) / room : 0;
+        p->info->keys += times;
+    }
     memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
-    p->info->keys += times;
     for (size_t i = 0; !result && step && i < times; i += step) {
         p->time = p->times[i];
         result = spend(p, 8 * play(p, p->time, i + 1), error);
-        if (!result) result = measure_moment(p, p->world, error);
-        p->info->examined_keys += !result;
+        if (!result && p->is_measuring) result = measure_moment(p, error);
+        if (p->is_measuring) p->info->examined_keys += !result;
     }
     free(p->times);
     return result;
 }
 
+static norma_document_result play_animations(
+    pose *p, size_t vertices, norma_document_error *error) {
+    norma_document_result result = gltf_animations(p->g, p->scene, error);
+    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
+        p->animation = i;
+        result = spend(p, p->g->node_count + p->joint_count, error);
+        if (!result) result = allocate_pose(p, error);
+        if (result) break;
+        mark_chains(p);
+        result = play_animation(p, &p->scene->animations[i], vertices, error);
+    }
+    return result;
+}
+
 static norma_document_result measure_animations(pose *p, norma_document_error *error) {
     size_t vertices = 0;
-    norma_document_result result = visit_primitives_of_skin(p, add_vertex_count, &vertices, error);
+    norma_document_result result = visit_skinned(p, &vertices, error);
     if (!result && vertices) result = spend(p, EFFORT_OF_VERTEX * vertices, error);
     if (result || !vertices) return result;
     result =
@@ -559,15 +515,9 @@ static norma_document_result measure_animations(pose *p, norma_document_error *e
     p->matrices = result ? NULL : norma_io_allocate(p->joint_count, 16 * sizeof *p->matrices);
     if (!p->matrices) return result ? result : fail_skin(p, error);
     p->animation = SIZE_MAX;
-    result = measure_moment(p, NULL, error);
-    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
-        p->animation = i;
-        result = spend(p, p->g->node_count + p->joint_count, error);
-        if (!result) result = allocate_pose(p, error);
-        if (result) break;
-        mark_chains(p);
-        result = measure_keys(p, &p->scene->animations[i], vertices, error);
-    }
+    p->time = 0;
+    result = measure_moment(p, error);
+    if (!result) result = play_animations(p, vertices, error);
     free(p->matrices);
     return result;
 }
@@ -587,24 +537,6 @@ static norma_document_result measure_errors(pose *p, norma_document_error *error
 
 /* ---- a skin */
 
-static norma_document_result read_skin_joints(
-    pose *p, uint32_t token, norma_document_error *error) {
-    const json *j = &p->g->json;
-    uint32_t list = norma_json_member(j, token, "joints");
-    if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
-        return norma_gltf_malformed(p->g, error, list, "an array");
-    p->joints = norma_io_allocate(norma_json_size(j, list), sizeof *p->joints);
-    if (!p->joints) return fail_skin(p, error);
-    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);) {
-        uint64_t node;
-        if (!norma_json_uint(j, item, &node) || node >= p->g->node_count)
-            return norma_gltf_malformed(p->g, error, item, "the number of an existing node");
-        p->joints[p->joint_count++] = (uint32_t)node;
-    }
-    p->info->joint_count = p->joint_count;
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result make_skin(
     gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
     pose p = {.g = g,
@@ -617,12 +549,15 @@ static norma_document_result make_skin(
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "skins", index);
     info->ignore = norma_gltf_root_ignore(g);
-    norma_document_result result = p.scene && info->name && info->where && info->ignore
-                                       ? read_skin_joints(&p, token, error)
-                                       : fail_skin(&p, error);
+    norma_document_result result =
+        p.scene && info->name && info->where && info->ignore
+            ? norma_gltf_read_joints(g, token, &p.joints, &p.joint_count, error)
+            : fail_skin(&p, error);
+    info->joint_count = p.joint_count;
     if (!result) {
-        judge_rest(&p);
-        result = judge_animations(&p, error);
+        for (size_t i = 0; i < p.joint_count; ++i)
+            judge_joint(&p, g->nodes[p.joints[i]].world, p.joints[i]);
+        result = play_animations(&p, 0, error);
     }
     if (!result) result = measure_errors(&p, error);
     void *const blocks[] = {
