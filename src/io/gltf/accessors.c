@@ -145,8 +145,7 @@ norma_document_result norma_gltf_read_draco(
     gltf_primitive *p = &g->primitives[number];
     const json *j = &g->json;
     uint32_t view = GLTF_NONE;
-    p->draco = (gltf_draco){
-        norma_json_member(j, norma_json_member(j, p->token, "extensions"), GLTF_DRACO), GLTF_NONE};
+    p->draco = (gltf_draco){norma_gltf_extension(g, p->token, GLTF_DRACO), GLTF_NONE};
     if (p->draco.token == GLTF_NONE || *why || (*why = why_stream_not_decoded(p)))
         return NORMA_DOCUMENT_OK;
     if (!norma_gltf_index_member(g, p->draco.token, "bufferView", g->view_count, &view) ||

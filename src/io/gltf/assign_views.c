@@ -288,19 +288,10 @@ static void add_type(
     }
 }
 
-/* A member as the accessor of before has it, in its own text. */
-static void add_same(const gltf *g, json_text *text, uint32_t like, const char *key) {
-    uint32_t value = norma_json_member(&g->json, like, key);
-    if (value == JSON_NONE) return;
-    const json_token *token = &g->json.tokens[value];
-    norma_json_add_key(text, key);
-    norma_json_add(text, g->text + token->start, token->end - token->start);
-}
-
 static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const char *key,
     const double *values, const gltf_data *data) {
     if (says_number(g, norma_json_member(&g->json, like, key), values, data)) {
-        add_same(g, text, like, key);
+        norma_gltf_copy_member(g, text, like, key);
         return;
     }
     norma_json_add_key(text, key);
@@ -328,8 +319,8 @@ static void describe_run(
         add_bounds_like(g, text, like, "min", b.least, data);
         add_bounds_like(g, text, like, "max", b.most, data);
     }
-    add_same(g, text, like, "name");
-    add_same(g, text, like, "extras");
+    norma_gltf_copy_member(g, text, like, "name");
+    norma_gltf_copy_member(g, text, like, "extras");
     norma_json_add_text(text, "}");
 }
 

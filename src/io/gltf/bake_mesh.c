@@ -475,8 +475,7 @@ static norma_document_result gltf_bake_winding(gltf *g, bake_cache *cache,
     uint32_t primitive_number, uint32_t copy, norma_document_error *error) {
     const gltf_primitive *primitive = &g->primitives[primitive_number];
     if (primitive->mode < GLTF_TRIANGLES) return NORMA_DOCUMENT_OK;
-    const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");
-    const int polygons = norma_json_member(&g->json, extensions, "FB_ngon_encoding") != JSON_NONE;
+    const int polygons = norma_gltf_extension(g, primitive->token, "FB_ngon_encoding") != JSON_NONE;
     const int indexed = primitive->indices != GLTF_NONE;
     if (!indexed && primitive->vertices >= UINT32_MAX)
         return NORMA_DOCUMENT_OK; /* more than any index names: nothing that a file holds */

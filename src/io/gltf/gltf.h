@@ -355,11 +355,20 @@ uint32_t norma_gltf_texcoords(const gltf *g, const gltf_primitive *p, size_t set
 /* members.c, as the rest of this part. Optional object members: 1: there (or, 2nd form, absent and
  * *value left as it was), 0: there with another type or out of range; message filled by the caller.
  */
+static inline uint32_t norma_gltf_extension(const gltf *g, uint32_t object, const char *name) {
+    return norma_json_member(&g->json, norma_json_member(&g->json, object, "extensions"), name);
+}
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value);
 int norma_gltf_index_member(
     const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value);
+/* A member as an object has it, in its own text, as one of the object that text is; if it has it.
+ */
+void norma_gltf_copy_member(const gltf *g, json_text *text, uint32_t object, const char *key);
 /* Whether an object has another extension than those, of which NULL is the last. */
 int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const *known);
+/* And the list of extensions with the last of them. */
+void norma_gltf_remove_extension(
+    const gltf *g, json_edits *edits, uint32_t object, const char *name);
 /* A list of objects among the root's members; empty where there is none. */
 norma_document_result norma_gltf_read_list(
     const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error);
@@ -585,9 +594,8 @@ norma_document_result norma_gltf_normal_texture(norma_document *document, size_t
 
 /* ---- nodes.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
 typedef struct gltf_instances {
-    gltf_array translation, rotation, scale;
-    int has_translation, has_rotation, has_scale;
-    uint32_t attributes; /* the JSON object that names them; JSON_NONE */
+    gltf_array translation, rotation, scale; /* width 0: not there */
+    uint32_t attributes;                     /* the JSON object that names them; JSON_NONE */
 } gltf_instances;
 norma_document_result norma_gltf_read_instances(
     gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error);

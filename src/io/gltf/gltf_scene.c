@@ -218,19 +218,7 @@ static void read_float(const gltf *g, uint32_t token, float *out) {
     if (token != JSON_NONE && norma_json_number(&g->json, token, &number)) *out = (float)number;
 }
 
-/* Of a texture's info; KHR_texture_transform may name another set. */
-static size_t map_texcoord_of(const gltf *g, uint32_t texture) {
-    const json *j = &g->json;
-    uint32_t transform =
-        norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
-    uint32_t set = norma_json_member(j, transform, "texCoord");
-    uint64_t number = 0;
-    if (set == JSON_NONE) set = norma_json_member(j, texture, "texCoord");
-    return set != JSON_NONE && norma_json_uint(j, set, &number) && number <= UINT32_MAX
-               ? (size_t)number
-               : 0;
-}
-
+/* Of a texture's info; KHR_texture_transform may name another set of coordinates. */
 static norma_texture_info gltf_texture_place(const gltf *g, uint32_t texture) {
     const json *j = &g->json;
     norma_texture_info place = {.scale = {1, 1},
@@ -240,9 +228,12 @@ static norma_texture_info gltf_texture_place(const gltf *g, uint32_t texture) {
         .image = SIZE_MAX,
         .there = norma_json_is(j, texture, JSON_OBJECT)};
     if (!place.there) return place;
-    place.texcoord = map_texcoord_of(g, texture);
-    const uint32_t transform =
-        norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
+    const uint32_t transform = norma_gltf_extension(g, texture, "KHR_texture_transform"),
+                   other = norma_json_member(j, transform, "texCoord"),
+                   set = other != JSON_NONE ? other : norma_json_member(j, texture, "texCoord");
+    uint64_t number;
+    if (set != JSON_NONE && norma_json_uint(j, set, &number) && number <= UINT32_MAX)
+        place.texcoord = (size_t)number;
     read_material_floats(g, norma_json_member(j, transform, "offset"), 2, place.offset);
     read_material_floats(g, norma_json_member(j, transform, "scale"), 2, place.scale);
     read_float(g, norma_json_member(j, transform, "rotation"), &place.rotation);
@@ -254,11 +245,8 @@ static int read_texture(gltf *g, uint32_t use, norma_texture_info *info) {
     const json *j = &g->json;
     *info = gltf_texture_place(g, use);
     if (!info->there) return 1;
-    const uint32_t texture = element(g, "textures", norma_json_member(j, use, "index")),
-                   strength = norma_json_member(j, use, "scale");
-    double number;
-    if (strength != JSON_NONE && norma_json_number(j, strength, &number))
-        info->strength = (float)number;
+    const uint32_t texture = element(g, "textures", norma_json_member(j, use, "index"));
+    read_float(g, norma_json_member(j, use, "scale"), &info->strength);
     read_texture_sampler(g, texture, info);
     return read_image(g, texture, info);
 }
@@ -266,15 +254,12 @@ static int read_texture(gltf *g, uint32_t use, norma_texture_info *info) {
 static int read_maps(gltf *g, uint32_t material, norma_material_maps *maps) {
     const json *j = &g->json;
     const uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness"),
-                   glossy = norma_json_member(j, norma_json_member(j, material, "extensions"),
-                       "KHR_materials_pbrSpecularGlossiness"),
-                   mode = norma_json_member(j, material, "alphaMode"),
-                   cutoff = norma_json_member(j, material, "alphaCutoff");
-    double number;
+                   glossy =
+                       norma_gltf_extension(g, material, "KHR_materials_pbrSpecularGlossiness"),
+                   mode = norma_json_member(j, material, "alphaMode");
     if (norma_json_equals(j, mode, "MASK")) maps->alpha_mode = NORMA_ALPHA_MASK;
     if (norma_json_equals(j, mode, "BLEND")) maps->alpha_mode = NORMA_ALPHA_BLEND;
-    if (cutoff != JSON_NONE && norma_json_number(j, cutoff, &number))
-        maps->alpha_cutoff = (float)number;
+    read_float(g, norma_json_member(j, material, "alphaCutoff"), &maps->alpha_cutoff);
     uint32_t colour = norma_json_member(j, glossy, "diffuseTexture");
     if (glossy == JSON_NONE) colour = norma_json_member(j, metallic, "baseColorTexture");
     return read_texture(g, colour, &maps->base_color) &&
@@ -303,39 +288,33 @@ norma_document_result norma_gltf_normal_texture(norma_document *document, size_t
                : norma_document_fail_memory(document, error);
 }
 
-static void read_color(
-    const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
+static void read_color(const gltf *g, uint32_t material, norma_material_info *info) {
     const json *j = &g->json;
     const uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness"),
-                   glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
+                   glossy =
+                       norma_gltf_extension(g, material, "KHR_materials_pbrSpecularGlossiness");
     read_material_floats(g, norma_json_member(j, metallic, "baseColorFactor"), 4, info->base_color);
     read_material_floats(g, norma_json_member(j, glossy, "diffuseFactor"), 4, info->base_color);
 }
 
-static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensions) {
+static int lets_light_through(const gltf *g, uint32_t material) {
     const json *j = &g->json;
-    uint32_t mode = norma_json_member(j, material, "alphaMode");
+    const uint32_t mode = norma_json_member(j, material, "alphaMode"),
+                   clear = norma_gltf_extension(g, material, "KHR_materials_transmission"),
+                   thin = norma_gltf_extension(g, material, "KHR_materials_diffuse_transmission");
     float transmission = 0, diffuse = 0;
-    read_float(g,
-        norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_transmission"),
-            "transmissionFactor"),
-        &transmission);
-    read_float(g,
-        norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_diffuse_transmission"),
-            "diffuseTransmissionFactor"),
-        &diffuse);
+    read_float(g, norma_json_member(j, clear, "transmissionFactor"), &transmission);
+    read_float(g, norma_json_member(j, thin, "diffuseTransmissionFactor"), &diffuse);
     return norma_json_equals(j, mode, "MASK") || norma_json_equals(j, mode, "BLEND") ||
            transmission > 0 || diffuse > 0;
 }
 
 uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material) {
-    const json *j = &g->json;
-    const uint32_t extensions = norma_json_member(j, material, "extensions"),
-                   texture = norma_json_member(j, material, "normalTexture");
-    return texture != JSON_NONE
-               ? texture
-               : norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
-                     "clearcoatNormalTexture");
+    const uint32_t texture = norma_json_member(&g->json, material, "normalTexture");
+    return texture != JSON_NONE ? texture
+                                : norma_json_member(&g->json,
+                                      norma_gltf_extension(g, material, "KHR_materials_clearcoat"),
+                                      "clearcoatNormalTexture");
 }
 
 norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material) {
@@ -374,26 +353,25 @@ static void read_normal_map(const gltf *g, uint32_t material, norma_material_inf
 
 /* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit
  * for those of VRM avatars (their MToon shader), is lit: it needs its normals. */
-static int is_unlit(const gltf *g, uint32_t extensions, uint32_t avatar) {
+static int is_unlit(const gltf *g, uint32_t material, uint32_t avatar) {
     const json *j = &g->json;
-    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE ||
+    int toon = norma_gltf_extension(g, material, "VRMC_materials_mtoon") != JSON_NONE ||
                norma_json_equals(j, norma_json_member(j, avatar, "shader"), "VRM/MToon");
-    return norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE && !toon;
+    return norma_gltf_extension(g, material, "KHR_materials_unlit") != JSON_NONE && !toon;
 }
 
 /* avatar: what VRM says of it, or JSON_NONE. */
 static int read_gltf_material(
     gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
     const json *j = &g->json;
-    uint32_t extensions = norma_json_member(j, token, "extensions");
     *info = (norma_material_info){.base_color = {1, 1, 1, 1}};
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "materials", number);
     info->ignore = norma_gltf_ignore(g, token);
     info->double_sided = norma_json_is(j, norma_json_member(j, token, "doubleSided"), JSON_TRUE);
-    info->unlit = is_unlit(g, extensions, avatar);
-    info->not_opaque = lets_light_through(g, token, extensions);
-    read_color(g, token, extensions, info);
+    info->unlit = is_unlit(g, token, avatar);
+    info->not_opaque = lets_light_through(g, token);
+    read_color(g, token, info);
     read_normal_map(g, token, info);
     return info->name && info->where && info->ignore;
 }
@@ -406,8 +384,8 @@ static norma_document_result gltf_materials(norma_document *document, norma_docu
            number = 0;
     norma_material_info *materials = norma_scene_allocate(scene, count, sizeof *materials);
     if (!materials) return norma_document_fail_memory(document, error);
-    uint32_t vrm = norma_json_member(&g->json, norma_json_member(&g->json, 0, "extensions"), "VRM"),
-             avatars = norma_json_member(&g->json, vrm, "materialProperties");
+    uint32_t avatars =
+        norma_json_member(&g->json, norma_gltf_extension(g, 0, "VRM"), "materialProperties");
     uint32_t avatar = norma_json_is(&g->json, avatars, JSON_ARRAY)
                           ? norma_json_first(&g->json, avatars)
                           : JSON_NONE;
@@ -426,23 +404,13 @@ static norma_document_result gltf_materials(norma_document *document, norma_docu
 
 /* A set of UVs that is there and is one; what is not, this library has no use for, and others will
  * say. */
-static norma_document_result read_vertex_texcoords(gltf *g, const gltf_primitive *p, size_t set,
-    norma_mesh_attributes *attributes, norma_document_error *error) {
-    const uint32_t accessor = norma_gltf_texcoords(g, p, set);
-    if (accessor == GLTF_NONE) return NORMA_DOCUMENT_OK;
-    attributes->texcoord_count = p->vertices;
-    return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
-}
-
 static norma_document_result texcoords(norma_document *document, size_t mesh, size_t set,
     const float **coordinates, size_t *count, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    norma_mesh_attributes found = {0};
-    norma_document_result result =
-        read_vertex_texcoords(g, &g->primitives[mesh], set, &found, error);
-    *coordinates = found.texcoords;
-    *count = found.texcoord_count;
-    return result;
+    const uint32_t accessor = norma_gltf_texcoords(g, &g->primitives[mesh], set);
+    *coordinates = NULL;
+    *count = accessor == GLTF_NONE ? 0 : g->primitives[mesh].vertices;
+    return *count ? norma_gltf_decode(g, accessor, 2, coordinates, error) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result widen_colors(
@@ -506,7 +474,8 @@ static norma_document_result read_vertex_attributes(norma_document *document, si
     count_stored_normals(g, p, attributes);
     attributes->ignore = ignored_by_primitive(g, p);
     if (!attributes->ignore) return norma_document_fail_memory(document, error);
-    norma_document_result result = read_vertex_texcoords(g, p, set, attributes, error);
+    norma_document_result result =
+        texcoords(document, index, set, &attributes->texcoords, &attributes->texcoord_count, error);
     if (!result) result = read_vertex_colors(g, p, attributes, error);
     return result ? result : read_tangents(g, p, attributes, error);
 }

@@ -37,8 +37,7 @@ static void flag_node(const gltf *g, unsigned char *flags, uint32_t token, unsig
 
 /* KHR_animation_pointer: "/nodes/7/rotation". */
 static void flag_pointer(const gltf *g, unsigned char *flags, uint32_t target) {
-    const uint32_t extension = norma_json_member(
-        &g->json, norma_json_member(&g->json, target, "extensions"), "KHR_animation_pointer");
+    const uint32_t extension = norma_gltf_extension(g, target, "KHR_animation_pointer");
     char *pointer = norma_json_string(&g->json, norma_json_member(&g->json, extension, "pointer"));
     if (pointer && strncmp(pointer, "/nodes/", 7) == 0) {
         char *end;
@@ -112,10 +111,9 @@ static unsigned char *gltf_bake_flags(const gltf *g, const uint32_t *order) {
 static const char *gltf_bake_obstacle(const gltf *g, uint32_t mesh) {
     for (uint32_t i = 0; i < g->meshes[mesh].primitive_count; ++i) {
         const gltf_primitive *primitive = &g->primitives[g->meshes[mesh].first_primitive + i];
-        const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");
         if (primitive->draco.token != GLTF_NONE && primitive->not_read)
             return "is compressed with KHR_draco_mesh_compression and cannot be read";
-        if (norma_json_member(&g->json, extensions, "KHR_gaussian_splatting") != JSON_NONE)
+        if (norma_gltf_extension(g, primitive->token, "KHR_gaussian_splatting") != JSON_NONE)
             return "holds splats (KHR_gaussian_splatting)";
     }
     return NULL;
@@ -370,7 +368,8 @@ static norma_document_result take_instances(
             result = norma_document_fail_memory(g->document, error);
     }
     if (norma_json_size(&g->json, attributes) >
-        (uint32_t)(instances->has_translation + instances->has_rotation + instances->has_scale))
+        (uint32_t)((instances->translation.width > 0) + (instances->rotation.width > 0) +
+                   (instances->scale.width > 0)))
         norma_document_add_note(g->document,
             "node %u: other attributes of its instances (such as _ID) cannot be stored in separate "
             "meshes and are dropped",

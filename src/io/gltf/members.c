@@ -144,6 +144,14 @@ norma_document_result norma_gltf_malformed(
         place[0] ? place : "/", "expected %s; found %s", expected, found);
 }
 
+void norma_gltf_copy_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
+    const uint32_t value = norma_json_member(&g->json, object, key);
+    if (value == JSON_NONE) return;
+    const json_token *token = &g->json.tokens[value];
+    norma_json_add_key(text, key);
+    norma_json_add(text, g->text + token->start, token->end - token->start);
+}
+
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value) {
     uint32_t token = norma_json_member(&g->json, object, key);
     uint64_t read;
@@ -171,6 +179,15 @@ int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const 
         if (!known[i]) return 1;
     }
     return 0;
+}
+
+void norma_gltf_remove_extension(
+    const gltf *g, json_edits *edits, uint32_t object, const char *name) {
+    const uint32_t extensions = norma_json_member(&g->json, object, "extensions");
+    if (norma_json_size(&g->json, extensions) == 1)
+        norma_json_unset(edits, object, "extensions");
+    else
+        norma_json_unset(edits, extensions, name);
 }
 
 norma_document_result norma_gltf_read_list(

@@ -310,113 +310,81 @@ static void add_numbers(json_text *text, const double *numbers, size_t count) {
     norma_json_add_text(text, "]");
 }
 
-typedef struct local_text {
-    json_text matrix, translation, rotation, scale;
-} local_text; /* each empty where the member is not needed */
+/* Where a node's members go: into edits of an old one, or the text of a new one. */
+typedef struct node_members {
+    json_edits *edits; /* NULL: into the text */
+    uint32_t object;
+    json_text *text;
+} node_members;
 
-static void free_local(local_text *text) {
-    free(text->matrix.data);
-    free(text->translation.data);
-    free(text->rotation.data);
-    free(text->scale.data);
-}
-
-static void write_local(const tree_node *node, local_text *text) {
-    *text = (local_text){0};
-    gltf_trs trs;
-    if (node->matrix_form) {
-        add_numbers(&text->matrix, node->local, 16);
+/* Takes the value; an empty one is no member. */
+static void put_node_member(const node_members *to, const char *key, json_text *value) {
+    if (to->edits) {
+        norma_json_set_made(to->edits, to->object, key, value);
         return;
     }
-    norma_gltf_matrix_decompose(node->local, &trs);
-    if (trs.translation[0] != 0 || trs.translation[1] != 0 || trs.translation[2] != 0)
-        add_numbers(&text->translation, trs.translation, 3);
-    if (trs.rotation[0] != 0 || trs.rotation[1] != 0 || trs.rotation[2] != 0)
-        add_numbers(&text->rotation, trs.rotation, 4);
-    if (trs.scale[0] != 1 || trs.scale[1] != 1 || trs.scale[2] != 1)
-        add_numbers(&text->scale, trs.scale, 3);
+    to->text->failed |= value->failed;
+    if (value->size) norma_json_add_key(to->text, key);
+    norma_json_add(to->text, value->data, value->size);
+    free(value->data);
 }
 
-static void add_children(const gltf_tree *tree, const tree_node *node, json_text *text) {
-    if (node->first == GLTF_NONE) return;
-    norma_json_add_text(text, "[");
-    for (uint32_t child = node->first; child != GLTF_NONE; child = tree->nodes[child].after) {
-        if (child != node->first) norma_json_add_text(text, ",");
-        norma_json_add_uint(text, child);
-    }
-    norma_json_add_text(text, "]");
-}
-
-static void remove_instances(const gltf *g, json_edits *edits, uint32_t object) {
-    const uint32_t extensions = norma_json_member(&g->json, object, "extensions");
-    if (norma_json_size(&g->json, extensions) == 1)
-        norma_json_unset(edits, object, "extensions");
+static void put_local(const node_members *to, const tree_node *node) {
+    json_text matrix = {0}, translation = {0}, rotation = {0}, scale = {0};
+    gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+    if (!node->local_changed) return;
+    if (node->matrix_form)
+        add_numbers(&matrix, node->local, 16);
     else
-        norma_json_unset(edits, extensions, "EXT_mesh_gpu_instancing");
+        norma_gltf_matrix_decompose(node->local, &trs);
+    if (trs.translation[0] != 0 || trs.translation[1] != 0 || trs.translation[2] != 0)
+        add_numbers(&translation, trs.translation, 3);
+    if (trs.rotation[0] != 0 || trs.rotation[1] != 0 || trs.rotation[2] != 0)
+        add_numbers(&rotation, trs.rotation, 4);
+    if (trs.scale[0] != 1 || trs.scale[1] != 1 || trs.scale[2] != 1)
+        add_numbers(&scale, trs.scale, 3);
+    put_node_member(to, "matrix", &matrix);
+    put_node_member(to, "translation", &translation);
+    put_node_member(to, "rotation", &rotation);
+    put_node_member(to, "scale", &scale);
+}
+
+static void put_children(const node_members *to, const gltf_tree *tree, const tree_node *node) {
+    json_text text = {0};
+    for (uint32_t child = node->first; child != GLTF_NONE; child = tree->nodes[child].after) {
+        norma_json_add_text(&text, child == node->first ? "[" : ",");
+        norma_json_add_uint(&text, child);
+    }
+    if (node->first != GLTF_NONE) norma_json_add_text(&text, "]");
+    put_node_member(to, "children", &text);
 }
 
 static void edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) {
     const gltf *g = tree->g;
     const tree_node *node = &tree->nodes[number];
     const uint32_t object = g->nodes[number].token;
-    if (node->children_changed) {
-        json_text text = {0};
-        add_children(tree, node, &text);
-        norma_json_set_made(edits, object, "children", &text);
-    }
-    if (node->local_changed) {
-        local_text text;
-        write_local(node, &text);
-        norma_json_set_made(edits, object, "matrix", &text.matrix);
-        norma_json_set_made(edits, object, "translation", &text.translation);
-        norma_json_set_made(edits, object, "rotation", &text.rotation);
-        norma_json_set_made(edits, object, "scale", &text.scale);
-    }
+    const node_members members = {edits, object, NULL};
+    if (node->children_changed) put_children(&members, tree, node);
+    put_local(&members, node);
     if (node->mesh_changed && node->mesh == GLTF_NONE)
         norma_json_unset(edits, object, "mesh");
     else if (node->mesh_changed)
         norma_json_set_uint(edits, object, "mesh", node->mesh);
     if (node->weights_removed) norma_json_unset(edits, object, "weights");
-    if (node->instances_removed) remove_instances(g, edits, object);
-}
-
-static void add_node_member(json_text *text, const char *key, const json_text *value) {
-    text->failed |= value->failed;
-    if (value->size == 0) return;
-    norma_json_add_key(text, key);
-    norma_json_add(text, value->data, value->size);
-}
-
-static void copy_node_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
-    const uint32_t value = norma_json_member(&g->json, object, key);
-    if (value == JSON_NONE) return;
-    norma_json_add_key(text, key);
-    norma_json_add(text, g->json.text + g->json.tokens[value].start,
-        g->json.tokens[value].end - g->json.tokens[value].start);
+    if (node->instances_removed)
+        norma_gltf_remove_extension(g, edits, object, "EXT_mesh_gpu_instancing");
 }
 
 static void add_node_text(const gltf_tree *tree, const tree_node *node, json_text *text) {
+    const uint32_t like = node->like == GLTF_NONE ? JSON_NONE : tree->g->nodes[node->like].token;
+    const node_members members = {.text = text};
     norma_json_add_text(text, "{");
-    if (node->like != GLTF_NONE)
-        copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "name");
-    json_text value = {0};
-    if (node->mesh != GLTF_NONE) {
-        norma_json_add_uint_member(text, "mesh", node->mesh);
-        if (node->takes_weights)
-            copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "weights");
-    }
-    add_children(tree, node, &value);
-    add_node_member(text, "children", &value);
-    free(value.data);
-    if (node->local_changed) {
-        local_text local;
-        write_local(node, &local);
-        add_node_member(text, "matrix", &local.matrix);
-        add_node_member(text, "translation", &local.translation);
-        add_node_member(text, "rotation", &local.rotation);
-        add_node_member(text, "scale", &local.scale);
-        free_local(&local);
-    }
+    norma_gltf_copy_member(tree->g, text, like, "name");
+    if (node->mesh != GLTF_NONE) norma_json_add_uint_member(text, "mesh", node->mesh);
+    if (node->mesh != GLTF_NONE && node->takes_weights)
+        norma_gltf_copy_member(tree->g, text, like, "weights");
+    put_children(&members, tree, node);
+    put_local(&members, node);
     norma_json_add_text(text, "}");
 }
 

@@ -214,77 +214,67 @@ void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inne
 
 /* ---- The places where a node draws its mesh again and again (EXT_mesh_gpu_instancing). */
 
-typedef struct instance_attribute {
-    uint32_t attributes; /* the object that may name it */
-    const char *key;
-    uint32_t width;
-} instance_attribute;
-
-static norma_document_result read_instance_array(gltf *g, const instance_attribute *attribute,
-    size_t count, gltf_array *array, int *has, norma_document_error *error) {
-    const uint32_t token = norma_json_member(&g->json, attribute->attributes, attribute->key);
+/* The accessor of their first attribute, which says how many there are; GLTF_NONE: one. */
+static uint32_t first_of_instances(const gltf *g, uint32_t attributes) {
+    const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT)
+                               ? norma_json_first(&g->json, attributes)
+                               : JSON_NONE;
     uint64_t accessor;
-    *has = token != JSON_NONE;
-    if (!*has) return NORMA_DOCUMENT_OK;
+    return first != JSON_NONE && norma_json_uint(&g->json, first, &accessor) &&
+                   accessor < g->accessor_count
+               ? (uint32_t)accessor
+               : GLTF_NONE;
+}
+
+static norma_document_result read_instance_array(gltf *g, uint32_t token, uint32_t width,
+    size_t count, gltf_array *array, norma_document_error *error) {
+    uint64_t accessor;
     if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
         return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
     const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
     if (result) return result;
-    return array->width == attribute->width && array->count >= count &&
-                   array->component != GLTF_UINT
+    return array->width == width && array->count >= count && array->component != GLTF_UINT
                ? NORMA_DOCUMENT_OK
                : norma_gltf_malformed(g, error, token, "one vector for each instance");
 }
 
 /* Instances that have no place of their own are as many as the first attribute has elements: those
  * must be there then, or a few bytes would draw a mesh any number of times. */
-static norma_document_result read_first(gltf *g, uint32_t attributes, norma_document_error *error) {
-    const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT)
-                               ? norma_json_first(&g->json, attributes)
-                               : JSON_NONE;
-    uint64_t accessor;
-    gltf_array array;
-    if (first == JSON_NONE || !norma_json_uint(&g->json, first, &accessor) ||
-        accessor >= g->accessor_count)
-        return NORMA_DOCUMENT_OK; /* one instance: nodes.c */
-    return norma_gltf_array(g, (uint32_t)accessor, &array, error);
-}
-
 norma_document_result norma_gltf_read_instances(
     gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
-    const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
-    const uint32_t attributes = norma_json_member(
-        &g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
-    const size_t count = g->nodes[node].instances;
+    static const char *const keys[] = {"TRANSLATION", "ROTATION", "SCALE"};
+    gltf_array *const arrays[] = {&instances->translation, &instances->rotation, &instances->scale};
+    gltf_array elements;
+    const uint32_t attributes = norma_json_member(&g->json,
+                       norma_gltf_extension(g, g->nodes[node].token, "EXT_mesh_gpu_instancing"),
+                       "attributes"),
+                   first = first_of_instances(g, attributes);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    int any = 0;
     *instances = (gltf_instances){.attributes = attributes};
-    const instance_attribute translation = {attributes, "TRANSLATION", 3},
-                             rotation = {attributes, "ROTATION", 4},
-                             scale = {attributes, "SCALE", 3};
-    norma_document_result result = read_instance_array(
-        g, &translation, count, &instances->translation, &instances->has_translation, error);
-    if (!result)
+    for (int k = 0; k < 3 && !result; ++k) {
+        const uint32_t token = norma_json_member(&g->json, attributes, keys[k]);
+        if (token == JSON_NONE) continue;
+        any = 1;
         result = read_instance_array(
-            g, &rotation, count, &instances->rotation, &instances->has_rotation, error);
-    if (!result)
-        result =
-            read_instance_array(g, &scale, count, &instances->scale, &instances->has_scale, error);
-    if (!result && !instances->has_translation && !instances->has_rotation && !instances->has_scale)
-        result = read_first(g, attributes, error);
-    return result;
+            g, token, k == 1 ? 4 : 3, g->nodes[node].instances, arrays[k], error);
+    }
+    return result || any || first == GLTF_NONE ? result
+                                               : norma_gltf_array(g, first, &elements, error);
 }
 
 void norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, double matrix[16]) {
     gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
     float f[4];
-    if (instances->has_translation) {
+    if (instances->translation.width) {
         norma_gltf_floats(&instances->translation, index, f);
         for (int k = 0; k < 3; ++k) trs.translation[k] = (double)f[k];
     }
-    if (instances->has_scale) {
+    if (instances->scale.width) {
         norma_gltf_floats(&instances->scale, index, f);
         for (int k = 0; k < 3; ++k) trs.scale[k] = (double)f[k];
     }
-    if (instances->has_rotation) {
+    if (instances->rotation.width) {
         norma_gltf_floats(&instances->rotation, index, f);
         double squares = 0;
         for (int k = 0; k < 4; ++k) squares += (double)f[k] * (double)f[k];
@@ -348,7 +338,7 @@ static int read_center(const json *j, uint32_t numbers, double center[3]) {
 
 int norma_gltf_read_frame(const gltf *g, double center[3]) {
     const json *j = &g->json;
-    const uint32_t rtc = norma_json_member(j, norma_json_member(j, 0, "extensions"), "CESIUM_RTC");
+    const uint32_t rtc = norma_gltf_extension(g, 0, "CESIUM_RTC");
     memcpy(center, g->tile.center, sizeof g->tile.center);
     return !g->tile.is_elsewhere && read_center(j, norma_json_member(j, rtc, "center"), center);
 }
@@ -459,17 +449,11 @@ static norma_document_result read_local(
 }
 
 static void read_instances(const gltf *g, gltf_node *node) {
-    const json *j = &g->json;
-    uint32_t extension = norma_json_member(
-        j, norma_json_member(j, node->token, "extensions"), "EXT_mesh_gpu_instancing");
-    uint32_t attributes = norma_json_member(j, extension, "attributes"),
-             first = norma_json_is(j, attributes, JSON_OBJECT) ? norma_json_first(j, attributes)
-                                                               : JSON_NONE;
-    uint64_t accessor;
-    node->instances = 1;
+    const uint32_t extension = norma_gltf_extension(g, node->token, "EXT_mesh_gpu_instancing"),
+                   first =
+                       first_of_instances(g, norma_json_member(&g->json, extension, "attributes"));
     node->instanced = extension != JSON_NONE;
-    if (first != JSON_NONE && norma_json_uint(j, first, &accessor) && accessor < g->accessor_count)
-        node->instances = g->accessors[accessor].count;
+    node->instances = first == GLTF_NONE ? 1 : g->accessors[first].count;
 }
 
 static norma_document_result read_node(gltf *g, gltf_node *node, norma_document_error *error) {

@@ -355,17 +355,13 @@ static norma_document_result put_stream(gltf *g, const group *of, norma_document
 
 static norma_document_result unpack(gltf *g, const group *of, norma_document_error *error) {
     gltf_patch *patch = g->patch;
-    const uint32_t copy = of->changes->copy, primitive = of->changes->primitive,
-                   token = g->primitives[primitive].token,
-                   extensions = norma_json_member(&g->json, token, "extensions");
+    const uint32_t copy = of->changes->copy, primitive = of->changes->primitive;
     patch_unpacked *added = norma_io_add(
         &patch->unpacked, &patch->unpacked_capacity, &patch->unpacked_count, sizeof *added);
     if (!added) return norma_document_fail_memory(g->document, error);
     *added = (patch_unpacked){copy, primitive};
-    if (norma_json_size(&g->json, extensions) == 1)
-        norma_json_unset(norma_gltf_edits(g, copy), token, "extensions");
-    else
-        norma_json_unset(norma_gltf_edits(g, copy), extensions, GLTF_DRACO);
+    norma_gltf_remove_extension(
+        g, norma_gltf_edits(g, copy), g->primitives[primitive].token, GLTF_DRACO);
     return put_stream(g, of, error);
 }
 
