@@ -400,9 +400,17 @@ int norma_gltf_index_component(
     return component;
 }
 
-void norma_gltf_write_index(unsigned char *at, int component, uint32_t value) {
+static void write_index(unsigned char *at, int component, uint32_t value) {
     const size_t size = norma_gltf_component_size(component);
     for (size_t i = 0; i < size; ++i) at[i] = (unsigned char)(value >> 8 * i);
+}
+
+unsigned char *norma_gltf_encode_indices(int component, const uint32_t *indices, size_t count) {
+    const size_t size = norma_gltf_component_size(component);
+    unsigned char *bytes = norma_io_block(count, size);
+    for (size_t i = 0; bytes && i < count; ++i)
+        write_index(bytes + i * size, component, indices[i]);
+    return bytes;
 }
 
 /* Columns of small matrices begin at multiples of four bytes (glTF 2.0, 3.6.2.4). */
@@ -646,7 +654,7 @@ void norma_gltf_write_number(unsigned char *at, int component, double number) {
     else if (component == GLTF_DOUBLE)
         memcpy(at, &number, sizeof number);
     else
-        norma_gltf_write_index(at, component == GLTF_HALF ? GLTF_USHORT : component,
+        write_index(at, component == GLTF_HALF ? GLTF_USHORT : component,
             component == GLTF_HALF ? half_bits(number) : (uint32_t)(int32_t)number);
 }
 

@@ -182,14 +182,12 @@ static int add_sparse_run(gltf *g, const gltf_accessor *a, const char *member, u
 static int replace_indices(
     gltf *g, const gltf_accessor *a, const gltf_data *data, uint32_t *indices, size_t count) {
     const size_t size = norma_gltf_component_size(a->sparse.indices_component);
-    unsigned char *bytes = norma_io_allocate(count, size);
     choose_indices(data, indices, count);
-    for (size_t i = 0; bytes && i < count * size; ++i)
-        bytes[i] = (unsigned char)(indices[i / size] >> 8 * (i % size));
     if (count != a->sparse.count)
         norma_json_set_uint(
             g->edits, norma_json_member(&g->json, a->token, "sparse"), "count", count);
-    return add_sparse_run(g, a, "indices", bytes, size, count);
+    return add_sparse_run(g, a, "indices",
+        norma_gltf_encode_indices(a->sparse.indices_component, indices, count), size, count);
 }
 
 /* The runs of the sparse part; *base tells whether the base must be written too. */

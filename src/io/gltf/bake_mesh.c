@@ -447,11 +447,8 @@ static norma_document_result add_turned_corners(gltf *g, const gltf_primitive *p
         .width = 1,
         .count = list->count,
         .is_indices = 1};
-    const size_t size = norma_gltf_component_size(data.component);
-    data.bytes = norma_io_allocate(list->count + 1, size);
+    data.bytes = norma_gltf_encode_indices(data.component, list->corners, list->count);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < list->count; ++i)
-        norma_gltf_write_index(data.bytes + i * size, data.component, list->corners[i]);
     *number = norma_gltf_add_data(g, &data);
     return *number == GLTF_NONE ? norma_document_fail_memory(g->document, error)
                                 : NORMA_DOCUMENT_OK;

@@ -306,7 +306,8 @@ size_t norma_gltf_component_size(int component); /* 0: unknown */
  * width that the primitive's have, or that of without. */
 int norma_gltf_index_component(
     const gltf *g, const gltf_primitive *p, size_t vertices, int without);
-void norma_gltf_write_index(unsigned char *at, int component, uint32_t value);
+unsigned char *norma_gltf_encode_indices(
+    int component, const uint32_t *indices, size_t count); /* to be freed; NULL: out of memory */
 /* One element, width numbers, normalised integers decoded. */
 void norma_gltf_doubles(const gltf_array *array, size_t index, double *out);
 void norma_gltf_floats(const gltf_array *array, size_t index, float *out);
@@ -479,6 +480,10 @@ norma_document_result norma_gltf_transform(norma_document *document,
     norma_document_error *error);
 /* vertex_contents.c: bytes of a vertex, those of all targets among them */
 size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p);
+/* vertex_contents.c: an accessor's elements as new contents: the first kept ones in their places,
+ * behind them those that sources names. */
+norma_document_result norma_gltf_copy_rows(gltf *g, uint32_t accessor, size_t kept,
+    const uint32_t *sources, size_t count, gltf_data *data, norma_document_error *error);
 /* vertex_contents.c: of each vertex the first that is the same in all attributes and targets */
 norma_document_result norma_gltf_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);

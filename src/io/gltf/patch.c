@@ -317,20 +317,12 @@ static int is_put(gltf *g, const group *of, const gltf_slot *slot) {
 
 static norma_document_result put_elements(
     gltf *g, uint32_t accessor, const gltf_slot *slot, norma_document_error *error) {
-    gltf_array array;
-    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    gltf_data data;
+    const norma_document_result result = norma_gltf_copy_rows(g, accessor,
+        g->accessors[accessor].count, NULL, g->accessors[accessor].count, &data, error);
     if (result) return result;
-    gltf_data data = {.component = array.component,
-        .normalized = array.normalized,
-        .width = array.width,
-        .count = array.count,
-        .is_indices = slot->target == GLTF_SLOT_INDICES,
-        .bounds = slot->attribute && strcmp(slot->attribute, "POSITION") == 0};
-    const size_t size = norma_gltf_data_size(&data);
-    data.bytes = norma_io_allocate(data.count, size);
-    if (!data.bytes) return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < data.count; ++i)
-        memcpy(data.bytes + i * size, array.data + i * array.stride, size);
+    data.is_indices = slot->target == GLTF_SLOT_INDICES;
+    data.bounds = slot->attribute && strcmp(slot->attribute, "POSITION") == 0;
     return norma_gltf_put_new(g, slot, &data, error);
 }
 

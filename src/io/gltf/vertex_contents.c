@@ -25,38 +25,33 @@ size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p) {
 
 /* ---- copies */
 
-static norma_document_result gltf_copy_array(gltf *g, uint32_t accessor,
-    const norma_mesh_edit *edit, gltf_array *array, unsigned char **owned,
-    norma_document_error *error) {
-    norma_document_result result = norma_gltf_array(g, accessor, array, error);
+norma_document_result norma_gltf_copy_rows(gltf *g, uint32_t accessor, size_t kept,
+    const uint32_t *sources, size_t count, gltf_data *data, norma_document_error *error) {
+    gltf_array array;
     const size_t size = g->accessors[accessor].element_size;
-    *owned = NULL;
-    if (result || !edit->source_vertices) return result;
-    *owned = norma_io_block(edit->vertex_count, size);
-    if (!*owned) return norma_document_fail_memory(g->document, error);
-    for (size_t v = 0; v < edit->vertex_count; ++v)
-        memcpy(*owned + v * size, array->data + edit->source_vertices[v] * array->stride, size);
-    array->data = *owned;
-    array->count = edit->vertex_count;
-    array->stride = size;
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (result) return result;
+    *data = (gltf_data){.component = array.component,
+        .normalized = array.normalized,
+        .width = array.width,
+        .element_size = size,
+        .count = count,
+        .bytes = norma_io_block(count, size)};
+    if (!data->bytes) return norma_document_fail_memory(g->document, error);
+    if (array.stride == size) memcpy(data->bytes, array.data, kept * size);
+    for (size_t v = array.stride == size ? kept : 0; v < count; ++v)
+        memcpy(data->bytes + v * size,
+            array.data + (v < kept ? v : sources[v - kept]) * array.stride, size);
     return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result copy_attribute(gltf *g, uint32_t primitive, int32_t target,
     const gltf_attribute *attribute, const norma_mesh_edit *edit, norma_document_error *error) {
-    gltf_array array;
-    unsigned char *bytes;
-    norma_document_result result =
-        gltf_copy_array(g, attribute->accessor, edit, &array, &bytes, error);
-    if (result) return result;
-    const gltf_data data = {.component = array.component,
-        .normalized = array.normalized,
-        .width = array.width,
-        .element_size = array.stride,
-        .count = array.count,
-        .bytes = bytes};
+    gltf_data data;
     const gltf_slot slot = {.primitive = primitive, .target = target, .attribute = attribute->name};
-    return norma_gltf_put_new(g, &slot, &data, error);
+    const norma_document_result result = norma_gltf_copy_rows(
+        g, attribute->accessor, 0, edit->source_vertices, edit->vertex_count, &data, error);
+    return result ? result : norma_gltf_put_new(g, &slot, &data, error);
 }
 
 /* Whether single numbers of it are replaced as well, by whom the copies are made then. */
@@ -184,23 +179,8 @@ norma_document_result norma_gltf_put_in_set(
 
 norma_document_result norma_gltf_copy_elements(
     gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data) {
-    gltf_array array;
-    const size_t size = job->g->accessors[accessor].element_size,
-                 count = set->vertices + set->added_count;
-    norma_document_result result = norma_gltf_array(job->g, accessor, &array, job->error);
-    if (result) return result;
-    *data = (gltf_data){.component = array.component,
-        .normalized = array.normalized,
-        .width = array.width,
-        .element_size = size,
-        .count = count};
-    data->bytes = norma_io_block(count, size);
-    if (!data->bytes) return norma_document_fail_memory(job->g->document, job->error);
-    if (array.stride == size) memcpy(data->bytes, array.data, set->vertices * size);
-    for (size_t v = array.stride == size ? set->vertices : 0; v < count; ++v)
-        memcpy(data->bytes + v * size, array.data + norma_gltf_old_vertex(set, v) * array.stride,
-            size);
-    return NORMA_DOCUMENT_OK;
+    return norma_gltf_copy_rows(job->g, accessor, set->vertices, set->added,
+        set->vertices + set->added_count, data, job->error);
 }
 
 /* ---- A set's new normals, and all else that its added vertices need, as contents of
@@ -465,34 +445,18 @@ norma_document_result norma_gltf_put_deltas(
     return put_contents(&c, (int32_t)target, attribute, &data);
 }
 
-static norma_document_result put_contents_of_targets(const contents *c) {
-    const gltf *g = c->job->g;
-    const gltf_primitive *lead = &g->primitives[c->set->lead];
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t t = 0; !result && t < lead->target_count; ++t) {
-        const gltf_attributes *target = &g->targets[lead->first_target + t];
-        int deltas = c->set->deltas && c->set->deltas[t];
-        for (uint32_t i = target->first; !result && i < target->first + target->count; ++i)
-            if (!deltas || strcmp(g->attributes[i].name, "NORMAL") != 0)
-                result = put_attribute(c, &g->attributes[i], (int32_t)t);
-        if (!result && deltas)
-            result = norma_gltf_put_deltas(c->job, c->set, t, "NORMAL", c->set->deltas[t]);
-    }
-    return result;
-}
-
 /* ---- a set */
 
 norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     gltf_set *set = &job->sets[number];
     const gltf *g = job->g;
-    const gltf_attributes *base = &g->primitives[set->lead].base;
+    gltf_primitive *lead = &g->primitives[set->lead];
     contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
-    const int tangents = base->tangent != GLTF_NONE;
+    const int tangents = lead->base.tangent != GLTF_NONE;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (set->added_count)
-        result = norma_gltf_copy_vertices(job->g, &job->g->primitives[set->lead], c.count,
-            norma_gltf_vertex_size(g, &g->primitives[set->lead]), job->error);
+        result = norma_gltf_copy_vertices(
+            job->g, lead, c.count, norma_gltf_vertex_size(g, lead), job->error);
     if (result) return result;
     c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
@@ -504,10 +468,15 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
             set->vertices, job->set_count > 1);
         result = put_normals(&c);
     }
-    for (uint32_t i = base->first; !result && i < base->first + base->count; ++i)
-        if (strcmp(g->attributes[i].name, "NORMAL") != 0)
-            result = put_attribute(&c, &g->attributes[i], GLTF_SLOT_BASE);
-    if (!result) result = put_contents_of_targets(&c);
+    for (int32_t t = GLTF_SLOT_BASE; !result && t < (int32_t)lead->target_count; ++t) {
+        const gltf_attributes *of = norma_gltf_set_of(g, lead, t);
+        const float *deltas = t >= 0 && set->deltas ? set->deltas[t] : NULL;
+        for (uint32_t i = of->first; !result && i < of->first + of->count; ++i)
+            if ((t >= 0 && !deltas) || strcmp(g->attributes[i].name, "NORMAL") != 0)
+                result = put_attribute(&c, &g->attributes[i], t);
+        if (!result && deltas)
+            result = norma_gltf_put_deltas(job, set, (uint32_t)t, "NORMAL", deltas);
+    }
     free(c.stored);
     free(c.changed);
     return result;
@@ -525,12 +494,6 @@ typedef struct vector_edit {
     const double *doubles;
     const uint8_t *set;
 } vector_edit;
-
-static norma_document_result put_edit(gltf *g, uint32_t primitive, int32_t target,
-    const char *attribute, const gltf_data *data, norma_document_error *error) {
-    const gltf_slot slot = {.primitive = primitive, .target = target, .attribute = attribute};
-    return norma_gltf_put_new(g, &slot, data, error);
-}
 
 /* ---- vectors */
 
@@ -561,8 +524,9 @@ static void keep_others(const vector_edit *edit, const gltf_array *array, gltf_d
 static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t accessor,
     const norma_mesh_edit *whole, const vector_edit *edit, norma_document_error *error) {
     gltf_array array;
-    gltf_data data;
-    unsigned char *copied;
+    gltf_data data, copy = {0};
+    const gltf_slot slot = {
+        .primitive = primitive, .target = GLTF_SLOT_BASE, .attribute = edit->attribute};
     if (accessor == GLTF_NONE)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT,
             g->primitives[primitive].where, "has no %s that could be replaced", edit->attribute);
@@ -570,7 +534,14 @@ static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t 
         g->accessors[accessor].count > g->primitives[primitive].vertices)
         return norma_gltf_malformed(
             g, error, g->accessors[accessor].token, "as many vectors as vertices");
-    norma_document_result result = gltf_copy_array(g, accessor, whole, &array, &copied, error);
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (!result && whole->source_vertices) {
+        result = norma_gltf_copy_rows(
+            g, accessor, 0, whole->source_vertices, whole->vertex_count, &copy, error);
+        array.data = copy.bytes;
+        array.count = copy.count;
+        array.stride = copy.element_size;
+    }
     if (result) return result;
     double *values = norma_io_allocate(array.count + 1, edit->width * sizeof *values);
     bake_encoded encoded = BAKE_NO_MEMORY;
@@ -580,25 +551,26 @@ static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t 
     }
     free(values);
     if (!encoded) keep_others(edit, &array, &data);
-    free(copied);
+    free(copy.bytes);
     if (encoded == BAKE_TOO_LARGE)
         return norma_gltf_malformed(
             g, error, g->accessors[accessor].token, "numbers that floats can hold");
     return encoded ? norma_document_fail_memory(g->document, error)
-                   : put_edit(g, primitive, GLTF_SLOT_BASE, edit->attribute, &data, error);
+                   : norma_gltf_put_new(g, &slot, &data, error);
 }
 
 /* Tangents where there were none: of every vertex. */
 static norma_document_result add_tangents(
     gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error) {
-    const float *tangents = edit->tangents;
+    const gltf_slot slot = {
+        .primitive = primitive, .target = GLTF_SLOT_BASE, .attribute = "TANGENT"};
     gltf_data data = {.component = GLTF_FLOAT,
         .width = 4,
         .count = edit->source_vertices ? edit->vertex_count : g->primitives[primitive].vertices};
     data.bytes = norma_io_allocate(data.count, 16);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
-    memcpy(data.bytes, tangents, data.count * 16);
-    return put_edit(g, primitive, GLTF_SLOT_BASE, "TANGENT", &data, error);
+    memcpy(data.bytes, edit->tangents, data.count * 16);
+    return norma_gltf_put_new(g, &slot, &data, error);
 }
 
 /* ---- faces */
@@ -638,14 +610,12 @@ static norma_document_result edit_primitive_faces(
         .width = 1,
         .count = count,
         .is_indices = 1};
-    size_t size = norma_gltf_data_size(&data);
-    data.bytes = norma_io_allocate(count, size);
-    for (size_t i = 0; data.bytes && i < count; ++i)
-        norma_gltf_write_index(data.bytes + i * size, data.component, kept[i]);
+    data.bytes = norma_gltf_encode_indices(data.component, kept, count);
     free(kept);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
     if (p->mode != GLTF_TRIANGLES) norma_gltf_set_mode(g, 0, primitive, GLTF_TRIANGLES);
-    return put_edit(g, primitive, GLTF_SLOT_INDICES, NULL, &data, error);
+    return norma_gltf_put_new(
+        g, &(gltf_slot){.primitive = primitive, .target = GLTF_SLOT_INDICES}, &data, error);
 }
 
 /* ---- a primitive */

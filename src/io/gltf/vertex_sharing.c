@@ -434,23 +434,8 @@ static size_t drop_stitches(const uint32_t *old, uint32_t *corners, size_t faces
     return kept ? kept : 3 * faces;
 }
 
-/* As the file is to have them, where that is not what they are in memory already. */
-static norma_document_result encode_new_indices(
-    gltf_job *job, gltf_data *data, const uint32_t *corners, size_t count, const gltf_array *old) {
-    const size_t size = norma_gltf_data_size(data);
-    data->bytes = norma_io_block(data->count, size);
-    if (!data->bytes) return norma_gltf_job_memory(job);
-    for (size_t i = 0; i < count; ++i)
-        norma_gltf_write_index(data->bytes + i * size, data->component, corners[i]);
-    for (size_t i = count; i < data->count; ++i) {
-        uint32_t index = (uint32_t)i;
-        if (old->data) norma_gltf_uints(old, i, &index);
-        norma_gltf_write_index(data->bytes + i * size, data->component, index);
-    }
-    return NORMA_DOCUMENT_OK;
-}
-
-/* Takes the corners, which it frees or hands on. */
+/* Takes the corners, which it frees or hands on; further indices of the primitive's own, that make
+ * no whole triangle, stay behind them. */
 static norma_document_result put_index_list(
     gltf_job *job, uint32_t number, uint32_t *corners, size_t count, size_t extra) {
     gltf *g = job->g;
@@ -460,25 +445,33 @@ static norma_document_result put_index_list(
     norma_document_result result = p->indices == GLTF_NONE
                                        ? NORMA_DOCUMENT_OK
                                        : norma_gltf_array(g, p->indices, &old, job->error);
+    uint32_t *all =
+        extra ? norma_io_move_block(corners, count * sizeof *all, count + extra, sizeof *all)
+              : corners;
+    if (!result && !all) result = norma_gltf_job_memory(job);
     if (result) {
-        free(corners);
+        free(all ? all : corners);
         return result;
     }
-    for (size_t i = 0; i < count; ++i) largest = corners[i] > largest ? corners[i] : largest;
+    for (size_t i = 0; i < count; ++i) largest = all[i] > largest ? all[i] : largest;
+    for (size_t i = count; i < count + extra; ++i) {
+        all[i] = (uint32_t)i;
+        if (old.data) norma_gltf_uints(&old, i, &all[i]);
+    }
     gltf_data data = {
         .component = norma_gltf_index_component(g, p, (size_t)largest + 1, GLTF_USHORT),
         .width = 1,
         .count = count + extra,
         .is_indices = 1};
-    if (data.component == GLTF_UINT && extra == 0 && norma_gltf_is_low_first()) {
-        data.bytes = (unsigned char *)corners;
+    if (data.component == GLTF_UINT && norma_gltf_is_low_first()) {
+        data.bytes = (unsigned char *)all; /* as the file is to have them already */
     } else {
-        result = encode_new_indices(job, &data, corners, count, &old);
-        free(corners);
+        data.bytes = norma_gltf_encode_indices(data.component, all, data.count);
+        free(all);
     }
-    if (result) return result;
     const gltf_slot slot = {.primitive = number, .target = GLTF_SLOT_INDICES};
-    return norma_gltf_put_new(g, &slot, &data, job->error);
+    return data.bytes ? norma_gltf_put_new(g, &slot, &data, job->error)
+                      : norma_gltf_job_memory(job);
 }
 
 /* 0, 1, 2, ...: for a primitive without indices whose vertices became more than it draws. */
