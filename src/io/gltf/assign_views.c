@@ -26,12 +26,9 @@ typedef struct bounds {
 
 static bounds find_run_bounds(const gltf_data *data) {
     bounds b = {.any = data->count > 0};
-    gltf_array array = {.data = data->bytes,
-        .count = data->count,
-        .stride = norma_gltf_data_size(data),
-        .component = data->component,
-        .width = data->width};
+    gltf_array array = norma_gltf_array_of(data);
     double element[16];
+    array.normalized = 0;
     for (uint32_t k = 0; k < data->width; ++k) {
         b.least[k] = INFINITY;
         b.most[k] = -INFINITY;

@@ -166,6 +166,13 @@ static bake_encoded encode_codes(const gltf_array *stored, const double *values,
     return BAKE_ENCODED;
 }
 
+int norma_gltf_encode_units(
+    int component, norma_vec3_view units, unsigned char *out, size_t stride) {
+    return component == GLTF_BYTE
+               ? !norma_encode_snorm8(units, (int8_t *)out, stride, units.count)
+               : !norma_encode_snorm16(units, (int16_t *)(void *)out, stride, units.count);
+}
+
 /* Unit vectors by the encoder whose codes readers take for unit; the sign of a tangent beside them.
  */
 static bake_encoded encode_directions(
@@ -174,10 +181,7 @@ static bake_encoded encode_directions(
     const size_t size = norma_gltf_component_size(stored->component), stride = stored->width * size;
     const norma_vec3_view view = {
         values, stored->count, stored->width * sizeof *values, NORMA_FORMAT_DOUBLE};
-    if (stored->component == GLTF_BYTE)
-        norma_encode_snorm8(view, (int8_t *)data->bytes, stride, stored->count);
-    else
-        norma_encode_snorm16(view, (int16_t *)(void *)data->bytes, stride, stored->count);
+    norma_gltf_encode_units(stored->component, view, data->bytes, stride);
     for (size_t i = 0; i < stored->count && stored->width == 4; ++i)
         norma_gltf_write_number(data->bytes + i * stride + 3 * size, stored->component,
             nearbyint(values[4 * i + 3] * norma_gltf_largest_code(stored->component)));

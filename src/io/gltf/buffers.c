@@ -383,12 +383,13 @@ static int take_given(const gltf *g, gltf_buffer *buffer) {
 static norma_document_result load_buffer_file(
     gltf *g, gltf_buffer *buffer, norma_document_error *error) {
     if (take_given(g, buffer)) return NORMA_DOCUMENT_OK;
-    char place[200], *path = NULL;
-    norma_gltf_pointer(g, buffer->token, place, sizeof place);
+    const gltf_place place = norma_gltf_pointer(g, buffer->token);
+    char *path = NULL;
     if (!norma_gltf_path_inside(g->document->folder, buffer->name, &path))
         return errno == ENOMEM
                    ? norma_document_fail_memory(g->document, error)
-                   : norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place,
+                   : norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED,
+                         place.text,
                          "the buffer %s is not opened, because it is not a file in the asset's "
                          "folder",
                          buffer->name);
@@ -402,13 +403,13 @@ static norma_document_result load_buffer_file(
         char text[160] = "no regular file";
         if (failed != EINVAL) norma_document_system_text(failed, text, sizeof text);
         return norma_document_fail(g->document, error,
-            failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE, place,
+            failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE, place.text,
             "the buffer %s cannot be read: %s", buffer->name, text);
     }
     buffer->bytes = buffer->file.data;
     buffer->available = buffer->file.size;
     if (buffer->file.size >= buffer->length) return NORMA_DOCUMENT_OK;
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place.text,
         "the buffer %s has %zu bytes, but should have %zu", buffer->name, buffer->file.size,
         buffer->length);
 }
@@ -747,7 +748,7 @@ norma_document_result norma_gltf_check_own_data(
     const gltf *g, uint32_t buffer, const file_bytes *file, norma_document_error *error) {
     static const char *const suffixes[] = {"bin", "glbin", "glbuf", "buf", "buffer", "dat", "data"};
     const gltf_buffer *b = &g->buffers[buffer];
-    char place[200], *real = gltf_real_path(g->document->folder, b->name);
+    char *real = gltf_real_path(g->document->folder, b->name);
     if (!real) return norma_document_fail_memory(g->document, error);
     const char *slash = strrchr(real, '/');
     const int looks_right =
@@ -756,8 +757,8 @@ norma_document_result norma_gltf_check_own_data(
         !begins_like_another_kind(file->data, file->size);
     free(real);
     if (looks_right) return NORMA_DOCUMENT_OK;
-    norma_gltf_pointer(g, b->token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place,
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED,
+        norma_gltf_pointer(g, b->token).text,
         "the buffer %s does not look like data of a glTF file, and is neither changed nor copied; "
         "expected a binary file with a name like scene.bin",
         b->name);

@@ -375,8 +375,10 @@ norma_document_result norma_gltf_read_list(
     const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error);
 norma_document_result norma_gltf_malformed(const gltf *g, norma_document_error *error,
     uint32_t token, const char *expected); /* names the JSON pointer of token */
-char *norma_gltf_pointer(
-    const gltf *g, uint32_t token, char *out, size_t capacity); /* JSON pointer, cut to fit */
+typedef struct gltf_place {
+    char text[200]; /* a JSON pointer, cut to fit */
+} gltf_place;
+gltf_place norma_gltf_pointer(const gltf *g, uint32_t token);
 
 /* ---- URIs (buffers.c) */
 char *norma_gltf_uri_decode(const char *uri); /* percent escapes resolved, to be freed; NULL: out of
@@ -416,6 +418,10 @@ static inline int norma_gltf_differs(const gltf *g) {
     return g->changed || g->document->given_count > 0;
 }
 size_t norma_gltf_data_size(const gltf_data *data); /* bytes of one element */
+static inline gltf_array norma_gltf_array_of(const gltf_data *data) {
+    return (gltf_array){data->bytes, data->count, norma_gltf_data_size(data), data->component,
+        data->width, data->normalized};
+}
 /* Registers contents (bytes become the patch's, also on failure) and gives their number, to be put
  * into one slot or several. GLTF_NONE: out of memory. */
 uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data);
@@ -658,6 +664,10 @@ typedef enum bake_role {
 typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } bake_encoded;
 bake_encoded norma_gltf_encode(
     bake_role role, const gltf_array *stored, const double *values, gltf_data *data);
+
+/* Unit vectors as normalised bytes or shorts. 0: it failed. */
+int norma_gltf_encode_units(
+    int component, norma_vec3_view units, unsigned char *out, size_t stride);
 
 /* ---- What of a buffer's file belongs to the asset that names it (buffers.c). */
 

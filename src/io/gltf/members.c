@@ -94,31 +94,32 @@ const char *norma_gltf_root_ignore(gltf *g) {
 
 enum { QUOTE = 80 };
 
-char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capacity) {
+gltf_place norma_gltf_pointer(const gltf *g, uint32_t token) {
+    gltf_place place = {""};
+    const size_t capacity = sizeof place.text;
     uint32_t chain[JSON_DEPTH + 1];
     size_t depth = 0, used = 0;
     for (uint32_t t = token;
          t != JSON_NONE && g->json.tokens[t].parent != JSON_NONE && depth < JSON_DEPTH;
          t = g->json.tokens[t].parent)
         chain[depth++] = t;
-    out[0] = '\0';
     while (depth-- > 0 && used + 1 < capacity) {
         uint32_t t = chain[depth], parent = g->json.tokens[t].parent, number = 0;
         int written;
         if (g->json.tokens[parent].type == JSON_OBJECT) {
             const json_token *key = &g->json.tokens[t - 1];
-            written = snprintf(out + used, capacity - used, "/%.*s",
+            written = snprintf(place.text + used, capacity - used, "/%.*s",
                 (int)(key->end - key->start > 66 ? 64 : key->end - key->start - 2),
                 g->text + key->start + 1);
         } else {
             for (uint32_t i = norma_json_first(&g->json, parent); i != t;
                  i = norma_json_next(&g->json, parent, i))
                 ++number;
-            written = snprintf(out + used, capacity - used, "/%u", (unsigned)number);
+            written = snprintf(place.text + used, capacity - used, "/%u", (unsigned)number);
         }
         used += written > 0 ? (size_t)written : 0;
     }
-    return out;
+    return place;
 }
 
 /* The beginning of a value as the file has it, without white space between its parts. */
@@ -137,11 +138,11 @@ static void quote(const gltf *g, uint32_t token, char out[QUOTE + 4]) {
 
 norma_document_result norma_gltf_malformed(
     const gltf *g, norma_document_error *error, uint32_t token, const char *expected) {
-    char place[200], found[QUOTE + 4] = "nothing";
-    norma_gltf_pointer(g, token, place, sizeof place);
+    const gltf_place place = norma_gltf_pointer(g, token);
+    char found[QUOTE + 4] = "nothing";
     if (token != JSON_NONE) quote(g, token, found);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-        place[0] ? place : "/", "expected %s; found %s", expected, found);
+        place.text[0] ? place.text : "/", "expected %s; found %s", expected, found);
 }
 
 void norma_gltf_copy_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
@@ -229,12 +230,11 @@ static int add_within(size_t *sum, size_t more, size_t held, size_t a_byte, size
 
 norma_document_result norma_gltf_spend(
     gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error) {
-    char place[200];
     if (count <= SIZE_MAX / size &&
         add_within(&g->decoded, count * size, g->held, DECODED_A_BYTE, FREE))
         return NORMA_DOCUMENT_OK;
-    norma_gltf_pointer(g, token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        norma_gltf_pointer(g, token).text,
         "%zu elements from here, with all before them, would take far more memory than the file; "
         "at most %d bytes are read for each byte of it",
         count, DECODED_A_BYTE);
@@ -276,15 +276,14 @@ norma_document_result norma_gltf_copy_vertices(
 
 norma_document_result norma_gltf_place_instances(
     gltf *g, const gltf_node *node, norma_document_error *error) {
-    char place[200];
     size_t held = g->document->source.size;
     for (uint32_t i = 0; i < g->buffer_count; ++i) /* as long as they say: none of them is read yet,
                                                       and one that is shorter will not be */
         held = g->buffers[i].length < SIZE_MAX - held ? held + g->buffers[i].length : SIZE_MAX;
     if (add_within(&g->instances_placed, node->instances, held, INSTANCES_A_BYTE, FREE_INSTANCES))
         return NORMA_DOCUMENT_OK;
-    norma_gltf_pointer(g, node->token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        norma_gltf_pointer(g, node->token).text,
         "%zu instances, with those of all nodes before, are far more than the file has bytes; at "
         "most %d are read for each byte",
         node->instances, INSTANCES_A_BYTE);

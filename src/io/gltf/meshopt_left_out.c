@@ -6,9 +6,8 @@ int norma_gltf_reads_meshopt(void) { return 0; }
 
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t number, norma_document_error *error) {
-    char place[200];
-    norma_gltf_pointer(g, g->views[number].meshopt.token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        norma_gltf_pointer(g, g->views[number].meshopt.token).text,
         "is compressed; expected uncompressed data, as this Norma was built without meshoptimizer");
 }
 

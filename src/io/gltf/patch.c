@@ -75,9 +75,8 @@ norma_document_result norma_gltf_check_dangling(
         if (j->tokens[token].type != JSON_NUMBER || !norma_json_uint(j, token, &index) ||
             index < counts[list] || !names_element(j, token, list))
             continue;
-        char place[200];
-        norma_gltf_pointer(g, token, place, sizeof place);
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place,
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED,
+            norma_gltf_pointer(g, token).text,
             "names %s %llu of %u, and a new one that has to be added would take its place; "
             "expected an index below %u",
             names[list], (unsigned long long)index, (unsigned)counts[list], (unsigned)counts[list]);

@@ -55,13 +55,10 @@ enum { MOST_ATTRIBUTES = 1024 };
 static norma_document_result read_primitive_attributes(
     gltf *g, uint32_t token, gltf_attributes *set, norma_document_error *error) {
     const json *j = &g->json;
-    if (norma_json_size(j, token) > MOST_ATTRIBUTES) {
-        char place[200];
-        norma_gltf_pointer(g, token, place, sizeof place);
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
-            "has %u attributes; at most %d can be read", (unsigned)norma_json_size(j, token),
-            MOST_ATTRIBUTES);
-    }
+    if (norma_json_size(j, token) > MOST_ATTRIBUTES)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            norma_gltf_pointer(g, token).text, "has %u attributes; at most %d can be read",
+            (unsigned)norma_json_size(j, token), MOST_ATTRIBUTES);
     *set = (gltf_attributes){.token = token,
         .first = g->attribute_count,
         .position = GLTF_NONE,

@@ -206,36 +206,23 @@ static norma_document_result put_contents(
 
 /* ---- vectors of three in the accessor's own encoding */
 
-typedef enum vector_encoding {
-    VECTOR_FLOAT = GLTF_FLOAT,
-    VECTOR_DOUBLE = GLTF_DOUBLE,
-    VECTOR_HALF = GLTF_HALF,
-    VECTOR_SNORM8 = GLTF_BYTE,
-    VECTOR_SNORM16 = GLTF_SHORT
-} vector_encoding;
-
-static vector_encoding vector_encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
+/* How new vectors are stored: as the accessor has them, where those are of a component type that
+ * holds units, else as floats. */
+static int vector_component(const gltf *g, uint32_t accessor, uint32_t width) {
     const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
-    const int is_kept =
-        a && a->width == width && norma_gltf_holds_units(a->component, a->normalized);
-    return is_kept ? (vector_encoding)a->component : VECTOR_FLOAT;
-}
-
-static int has_codes(vector_encoding encoding) {
-    return encoding == VECTOR_SNORM8 || encoding == VECTOR_SNORM16;
+    return a && a->width == width && norma_gltf_holds_units(a->component, a->normalized)
+               ? a->component
+               : GLTF_FLOAT;
 }
 
 static int encode_units(
-    vector_encoding encoding, const float *units, size_t count, unsigned char *out, size_t stride) {
+    int component, const float *units, size_t count, unsigned char *out, size_t stride) {
     const norma_vec3_view view = {.data = units, .count = count, .format = NORMA_FORMAT_FLOAT};
-    if (encoding == VECTOR_SNORM8) return !norma_encode_snorm8(view, (int8_t *)out, stride, count);
-    if (encoding == VECTOR_SNORM16)
-        return !norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count);
-    const size_t size = norma_gltf_component_size((int)encoding);
-    for (size_t i = 0; i < count; ++i)
-        for (size_t k = 0; k < 3; ++k)
-            norma_gltf_write_number(
-                out + i * stride + k * size, (int)encoding, (double)units[3 * i + k]);
+    if (!norma_gltf_is_float(component))
+        return norma_gltf_encode_units(component, view, out, stride);
+    const size_t size = norma_gltf_component_size(component);
+    for (size_t i = 0; i < 3 * count; ++i)
+        norma_gltf_write_number(out + i / 3 * stride + i % 3 * size, component, (double)units[i]);
     return 1;
 }
 
@@ -252,7 +239,7 @@ static void keep_float_zero_signs(const unsigned char *old, unsigned char *new_b
 /* What stays of an accessor's old elements goes back over the newly encoded ones; marks what is not
  * what it was. */
 static norma_document_result merge_old(
-    const contents *c, uint32_t accessor, vector_encoding encoding, gltf_data *data) {
+    const contents *c, uint32_t accessor, int component, gltf_data *data) {
     gltf_array old;
     size_t size = norma_gltf_data_size(data);
     norma_document_result result = norma_gltf_array(c->job->g, accessor, &old, c->job->error);
@@ -268,7 +255,7 @@ static norma_document_result merge_old(
         } else if (!is_new(c->set, v) && old.width == 3) {
             norma_gltf_floats(&old, v, element);
             memcpy(now, element, 3 * sizeof *element);
-        } else if (same && encoding == VECTOR_FLOAT) {
+        } else if (same && component == GLTF_FLOAT) {
             keep_float_zero_signs(before, now);
         }
         if (c->changed) c->changed[v] = !same || memcmp(now, before, size) != 0;
@@ -277,40 +264,37 @@ static norma_document_result merge_old(
 }
 
 static void decode_stored(const contents *c, const gltf_data *data) {
-    const gltf_array array = {.data = data->bytes,
-        .count = data->count,
-        .stride = norma_gltf_data_size(data),
-        .component = data->component,
-        .width = 3,
-        .normalized = data->normalized};
+    const gltf_array array = norma_gltf_array_of(data);
     for (size_t v = 0; v < c->count; ++v) norma_gltf_floats(&array, v, c->stored + 3 * v);
 }
 
-static gltf_data vector_data(vector_encoding encoding, size_t count) {
-    gltf_data data = {
-        .component = (int)encoding, .normalized = has_codes(encoding), .width = 3, .count = count};
+static gltf_data vector_data(int component, size_t count) {
+    gltf_data data = {.component = component,
+        .normalized = !norma_gltf_is_float(component),
+        .width = 3,
+        .count = count};
     data.bytes = norma_io_allocate(count, norma_gltf_data_size(&data));
     return data;
 }
 
 static norma_document_result put_normals(const contents *c) {
     uint32_t old = c->job->g->primitives[c->set->lead].base.normal;
-    vector_encoding encoding = vector_encoding_of(c->job->g, old, 3);
+    const int component = vector_component(c->job->g, old, 3);
     gltf_data data = {.component = GLTF_FLOAT, .width = 3, .count = c->count};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (encoding == VECTOR_FLOAT) { /* as they are */
+    if (component == GLTF_FLOAT) { /* as they are */
         data.bytes = (unsigned char *)c->set->normals;
         c->set->normals = NULL;
     } else {
-        data = vector_data(encoding, c->count);
-        if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
+        data = vector_data(component, c->count);
+        if (!data.bytes || !encode_units(component, c->set->normals, c->count, data.bytes,
                                norma_gltf_data_size(&data)))
             result = norma_gltf_job_memory(c->job);
     }
     if (old == GLTF_NONE)
         memset(c->changed, 1, c->count);
     else if (!result)
-        result = merge_old(c, old, encoding, &data);
+        result = merge_old(c, old, component, &data);
     if (result) {
         free(data.bytes);
         return result;
@@ -323,25 +307,20 @@ static norma_document_result put_normals(const contents *c) {
 
 /* Whether a tangent leans against the normal more than its code and rounding explain: right ones
  * keep their bits. */
-static int leans(const float tangent[3], const float normal[3], vector_encoding encoding) {
+static int leans(const float tangent[3], const float normal[3], int component) {
     double dot = 0, squares = 0;
     for (int k = 0; k < 3; ++k) {
         dot += (double)tangent[k] * (double)normal[k];
         squares += (double)tangent[k] * (double)tangent[k];
     }
-    const double most = encoding == VECTOR_SNORM8 ? .0137 : encoding == VECTOR_HALF ? 1e-3 : 2e-4;
+    const double most = component == GLTF_BYTE ? .0137 : component == GLTF_HALF ? 1e-3 : 2e-4;
     return !(fabs(dot) <= most * sqrt(squares));
 }
 
 static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data) {
-    vector_encoding encoding = vector_encoding_of(c->job->g, accessor, 4);
+    const int component = vector_component(c->job->g, accessor, 4);
     size_t size = norma_gltf_data_size(data);
-    gltf_array array = {.data = data->bytes,
-        .count = c->count,
-        .stride = size,
-        .component = data->component,
-        .width = data->width,
-        .normalized = data->normalized};
+    const gltf_array array = norma_gltf_array_of(data);
     float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents),
           *units = norma_io_allocate(c->count, 3 * sizeof *units);
     unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(double)),
@@ -350,7 +329,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     for (size_t v = 0; ok && v < c->count; ++v) {
         norma_gltf_floats(&array, v, tangents + 4 * v);
         turned[v] = c->changed[v] ||
-                    (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, encoding));
+                    (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, component));
     }
     const norma_vec3_view normals = {
         .data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
@@ -358,7 +337,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     for (size_t v = 0; ok && v < c->count; ++v)
         memcpy(units + 3 * v, tangents + 4 * v, 3 * sizeof *units);
     size_t code_size = 3 * norma_gltf_component_size(data->component);
-    ok = ok && encode_units(encoding, units, c->count, codes, code_size);
+    ok = ok && encode_units(component, units, c->count, codes, code_size);
     for (size_t v = 0; ok && v < c->count; ++v) {
         unsigned char *stored = data->bytes + v * size;
         const int stays = !turned[v] || memcmp(stored, codes + v * code_size, code_size) == 0;
@@ -401,27 +380,24 @@ static norma_document_result put_attribute(
 /* ---- morph targets */
 
 /* Up to half a code beyond the last one is still that, to the encoding's own rounding. */
-static int fits_encoding(vector_encoding encoding, const float *deltas, size_t count) {
-    const double last = norma_gltf_largest_code((int)encoding);
+static int fits_encoding(int component, const float *deltas, size_t count) {
+    const double last = norma_gltf_largest_code(component);
     for (size_t i = 0; i < 3 * count; ++i) {
         const double delta = (double)deltas[i];
-        if (has_codes(encoding) && !(fabs(delta) * last < last + .5)) return 0;
-        if (encoding == VECTOR_HALF && !norma_gltf_fits_half(delta, 0)) return 0;
+        if (!norma_gltf_is_float(component) && !(fabs(delta) * last < last + .5)) return 0;
+        if (component == GLTF_HALF && !norma_gltf_fits_half(delta, 0)) return 0;
     }
     return 1;
 }
 
-static double round_half_away(double value) { return trunc(value < 0 ? value - .5 : value + .5); }
-
 /* Deltas are linear: each number by itself, nothing made unit. */
-static void encode_deltas(
-    vector_encoding encoding, const float *deltas, size_t count, unsigned char *out) {
-    const size_t size = norma_gltf_component_size((int)encoding);
-    const double largest = norma_gltf_largest_code((int)encoding);
+static void encode_deltas(int component, const float *deltas, size_t count, unsigned char *out) {
+    const size_t size = norma_gltf_component_size(component);
+    const double largest = norma_gltf_largest_code(component);
     for (size_t i = 0; i < 3 * count; ++i) {
         const double delta = (double)deltas[i];
-        norma_gltf_write_number(out + i * size, (int)encoding,
-            has_codes(encoding) ? round_half_away(delta * largest) : delta);
+        norma_gltf_write_number(out + i * size, component,
+            norma_gltf_is_float(component) ? delta : nearbyint(delta * largest));
     }
 }
 
@@ -431,13 +407,13 @@ norma_document_result norma_gltf_put_deltas(
     const gltf *g = job->g;
     const gltf_attributes *of = &g->targets[g->primitives[set->lead].first_target + target];
     const uint32_t old = strcmp(attribute, "NORMAL") == 0 ? of->normal : of->tangent;
-    vector_encoding encoding = vector_encoding_of(g, old, 3);
-    if (!fits_encoding(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
-    gltf_data data = vector_data(encoding, c.count);
+    int component = vector_component(g, old, 3);
+    if (!fits_encoding(component, deltas, c.count)) component = GLTF_FLOAT;
+    gltf_data data = vector_data(component, c.count);
     if (!data.bytes) return norma_gltf_job_memory(c.job);
-    encode_deltas(encoding, deltas, c.count, data.bytes);
+    encode_deltas(component, deltas, c.count, data.bytes);
     norma_document_result result =
-        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, encoding, &data);
+        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, component, &data);
     if (result) {
         free(data.bytes);
         return result;
