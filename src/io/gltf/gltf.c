@@ -18,8 +18,8 @@
 
 typedef struct companion {
     char *path;
-    const patch_buffer *buffer; /* the contents: this, */
-    const unsigned char *bytes; /* or these */
+    const patch_buffer *buffer; /* the contents: this; NULL: these */
+    const unsigned char *bytes;
     size_t size;
     file_bytes file;      /* an image's */
     int is_new;           /* overwrites nothing, even in place */
@@ -44,11 +44,6 @@ static norma_document_result fail_companions(const companions *c) {
     return norma_document_fail_memory(c->document, c->error);
 }
 
-static int has_content(const companion *one, const file_bytes *file) {
-    if (one->buffer) return norma_gltf_segments_equal(one->buffer, file->data, file->size);
-    return file->size == one->size && memcmp(file->data, one->bytes, one->size) == 0;
-}
-
 static norma_document_result refuse_companion(
     const companions *c, const char *path, const char *why) {
     const norma_document target = {.path = (char *)(uintptr_t)path};
@@ -70,32 +65,19 @@ static int make_companion_folders(companion_writers *writers, char *path, size_t
 }
 
 /* In slices, so that a cancel is noticed soon. */
-static int write_companion_slices(
-    const companions *c, file_writer *writer, const unsigned char *bytes, size_t size) {
-    const size_t slice = (size_t)1 << 23;
-    int failed = 0;
-    while (!failed && size > 0) {
-        const size_t part = size < slice ? size : slice;
-        failed = norma_watch_cancelled(&c->document->watch)
-                     ? FILE_CANCELLED
-                     : norma_file_writer_write(writer, bytes, part);
-        bytes += part;
-        size -= part;
-    }
-    return failed;
-}
-
-static int write_content(const companions *c, const companion *one, file_writer *writer) {
+static int write_content(const companions *c, const patch_buffer *content, file_writer *writer) {
     static const unsigned char zeros[256];
+    enum { SLICE = 1 << 23 };
     int failed = 0;
-    if (!one->buffer) return write_companion_slices(c, writer, one->bytes, one->size);
-    for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
-        const patch_segment *s = &one->buffer->segments[i];
-        if (s->bytes) failed = write_companion_slices(c, writer, s->bytes, s->length);
-        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
-             left -= left < sizeof zeros ? left : sizeof zeros)
-            failed =
-                norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
+    for (size_t i = 0; i < content->segment_count; ++i) {
+        const patch_segment *s = &content->segments[i];
+        const size_t most = s->bytes ? SLICE : sizeof zeros;
+        for (size_t at = 0, part; !failed && at < s->length; at += part) {
+            part = s->length - at < most ? s->length - at : most;
+            failed = norma_watch_cancelled(&c->document->watch)
+                         ? FILE_CANCELLED
+                         : norma_file_writer_write(writer, s->bytes ? s->bytes + at : zeros, part);
+        }
     }
     return failed;
 }
@@ -105,7 +87,7 @@ static norma_document_result write_companion(companions *c, const companion *one
     int failed = make_companion_folders(c->writers, one->path, strlen(c->folder));
     if (!failed) failed = norma_file_writer_open(one->path, &writer);
     if (!failed && one->replaces) norma_document_expect(c->writers, writer, one->replaces);
-    if (!failed) failed = write_content(c, one, writer);
+    if (!failed) failed = write_content(c, one->buffer, writer);
     if (!failed) failed = norma_file_writer_prepare(writer);
     if (!failed)
         return norma_document_add_writer(c->writers, writer, one->path) ? NORMA_DOCUMENT_OK
@@ -133,11 +115,14 @@ static int stays_in_folder(const companions *c, const companion *one) {
 
 /* Writes a file, unless it is there already. Takes over one->path and one->file. */
 static norma_document_result add_companion(companions *c, companion one) {
+    patch_segment whole = {.length = one.size, .bytes = one.bytes};
+    const patch_buffer unchanged = {.length = one.size, .segments = &whole, .segment_count = 1};
     file_bytes there;
     int failed = norma_document_load_file(c->document, one.path, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!one.buffer) one.buffer = &unchanged;
     if (!failed) {
-        same = has_content(&one, &there);
+        same = norma_gltf_segments_equal(one.buffer, there.data, there.size);
         norma_file_close(&there);
     }
     if (failed == ENOMEM)

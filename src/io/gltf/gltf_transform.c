@@ -140,6 +140,17 @@ typedef enum node_fate {
     FATE_PARTED
 } node_fate; /* parted: keeps its matrix, its mesh goes to a new node */
 
+typedef struct baked_node {
+    uint32_t root;
+    unsigned char fate, holds_baked; /* holds_baked: a node below it is */
+    unsigned char under_matrix;      /* of a root: the matrix goes above it */
+} baked_node;
+
+typedef struct baked_mesh {
+    uint32_t stays; /* how many nodes draw it that are not baked */
+    int taken;      /* a baked node has it already, another one gets a copy */
+} baked_mesh;
+
 typedef struct baking {
     gltf *g;
     const norma_transform_options *options;
@@ -148,25 +159,19 @@ typedef struct baking {
     bake_cache cache;
     int moves; /* options->matrix is not the identity */
     uint32_t *order;
-    unsigned char *flags, *fates,
-        *under_matrix;    /* by node; under_matrix: by root, whether the matrix goes above it */
-    uint32_t *roots;      /* by node: its root */
-    uint32_t *stays;      /* by mesh: how many nodes draw it that are not baked */
-    unsigned char *taken; /* by mesh: a baked node has it already, another one gets a copy */
-    int instances_left;   /* instances that stay */
-    size_t uses, done;    /* meshes to be transformed */
+    unsigned char *flags;
+    baked_node *nodes;
+    baked_mesh *meshes;
+    int instances_left; /* instances that stay */
+    size_t uses, done;  /* meshes to be transformed */
 } baking;
 
 static int allocate_baking(baking *b) {
-    const size_t nodes = (size_t)b->g->node_count + 1, meshes = (size_t)b->g->mesh_count + 1;
     b->order = gltf_bake_order(b->g, &b->tree);
     b->flags = b->order ? gltf_bake_flags(b->g, b->order) : NULL;
-    b->fates = norma_io_allocate(nodes, 1);
-    b->under_matrix = norma_io_allocate(nodes, 1);
-    b->roots = norma_io_allocate(nodes, sizeof *b->roots);
-    b->stays = norma_io_allocate(meshes, sizeof *b->stays);
-    b->taken = norma_io_allocate(meshes, 1);
-    return b->flags && b->fates && b->under_matrix && b->roots && b->stays && b->taken;
+    b->nodes = norma_io_allocate(b->g->node_count, sizeof *b->nodes);
+    b->meshes = norma_io_allocate(b->g->mesh_count, sizeof *b->meshes);
+    return b->flags && b->nodes && b->meshes;
 }
 
 static void free_baking(baking *b) {
@@ -174,11 +179,8 @@ static void free_baking(baking *b) {
     norma_gltf_bake_cache_free(&b->cache);
     free(b->order);
     free(b->flags);
-    free(b->fates);
-    free(b->under_matrix);
-    free(b->roots);
-    free(b->stays);
-    free(b->taken);
+    free(b->nodes);
+    free(b->meshes);
 }
 
 /* ---- who is baked */
@@ -226,11 +228,11 @@ static node_fate fate_of(const baking *b, uint32_t node) {
 static void decide_fates(baking *b) {
     for (uint32_t i = 0; i < b->g->node_count; ++i) {
         const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
-        b->fates[node] = (unsigned char)fate_of(b, node);
-        b->roots[node] = parent == GLTF_NONE ? node : b->roots[parent];
+        b->nodes[node].fate = (unsigned char)fate_of(b, node);
+        b->nodes[node].root = parent == GLTF_NONE ? node : b->nodes[parent].root;
         if (b->g->nodes[node].mesh == GLTF_NONE) continue;
-        if (b->fates[node] == FATE_KEEPS) {
-            ++b->stays[b->g->nodes[node].mesh];
+        if (b->nodes[node].fate == FATE_KEEPS) {
+            ++b->meshes[b->g->nodes[node].mesh].stays;
             b->instances_left |= b->g->nodes[node].instanced;
         } else {
             b->uses += b->g->nodes[node].instances;
@@ -240,21 +242,16 @@ static void decide_fates(baking *b) {
 }
 
 /* Which roots hold something besides baked nodes and the groups above them. */
-static norma_document_result decide_under_matrix(baking *b, norma_document_error *error) {
-    unsigned char *groups =
-        norma_io_allocate((size_t)b->g->node_count + 1, 1); /* has a baked node below */
-    if (!groups) return norma_document_fail_memory(b->g->document, error);
+static void decide_under_matrix(baking *b) {
     for (uint32_t i = b->g->node_count; i-- > 0;) {
         const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
-        const int baked = b->fates[node] == FATE_BAKED;
-        if ((baked || groups[node]) && parent != GLTF_NONE) groups[parent] = 1;
-        const int draws = b->g->nodes[node].mesh != GLTF_NONE;
-        if (!baked && (draws || !groups[node] ||
+        const baked_node *of = &b->nodes[node];
+        const int baked = of->fate == FATE_BAKED, draws = b->g->nodes[node].mesh != GLTF_NONE;
+        if ((baked || of->holds_baked) && parent != GLTF_NONE) b->nodes[parent].holds_baked = 1;
+        if (!baked && (draws || !of->holds_baked ||
                           (b->flags[node] & (BAKE_MOVES | BAKE_JOINT | BAKE_HOLDS_MORE))))
-            b->under_matrix[b->roots[node]] = 1;
+            b->nodes[of->root].under_matrix = 1;
     }
-    free(groups);
-    return NORMA_DOCUMENT_OK;
 }
 
 /* ---- the hierarchy */
@@ -262,7 +259,7 @@ static norma_document_result decide_under_matrix(baking *b, norma_document_error
 /* The world matrix that a node which keeps its own will have. */
 static void kept_world(const baking *b, uint32_t node, double world[16]) {
     memcpy(world, b->g->nodes[node].world, 16 * sizeof *world);
-    if (b->moves && b->under_matrix[b->roots[node]])
+    if (b->moves && b->nodes[b->nodes[node].root].under_matrix)
         norma_gltf_matrix_multiply(b->options->matrix, world, world);
 }
 
@@ -286,7 +283,7 @@ static void keep_children(baking *b, uint32_t node) {
     for (uint32_t child = b->tree.nodes[node].first, after; child != GLTF_NONE && !b->tree.failed;
          child = after) {
         after = b->tree.nodes[child].after;
-        if (b->fates[child] == FATE_BAKED) continue;
+        if (b->nodes[child].fate == FATE_BAKED) continue;
         if (between == GLTF_NONE) between = norma_gltf_tree_add(&b->tree, GLTF_NONE);
         if (between != GLTF_NONE) norma_gltf_tree_give(&b->tree, child, between);
     }
@@ -302,24 +299,24 @@ static void rehang_baked(baking *b, uint32_t node) {
     double identity[16];
     norma_gltf_matrix_identity(identity);
     keep_children(b, node);
-    if (parent == GLTF_NONE || b->fates[parent] == FATE_BAKED)
+    if (parent == GLTF_NONE || b->nodes[parent].fate == FATE_BAKED)
         norma_gltf_tree_set_local(&b->tree, node, identity);
     else
         hang_at_identity(b, node, parent);
 }
 
-/* The matrix above all roots that hold something it must move. Roots that are baked have it in what
- * keep_children made; a skinned mesh without children goes by its joints and would rather be a
- * root. */
-static norma_document_result raise_under_matrix(baking *b, norma_document_error *error) {
-    unsigned char *wanted = norma_io_allocate((size_t)b->g->node_count + 1, 1);
-    if (!wanted) return norma_document_fail_memory(b->g->document, error);
-    for (uint32_t i = 0; i < b->g->node_count; ++i) {
-        const int is_root = b->g->nodes[i].parent == GLTF_NONE;
-        wanted[i] = is_root && b->under_matrix[i] && b->fates[i] != FATE_BAKED &&
-                    !(b->g->nodes[i].skin != GLTF_NONE && b->tree.nodes[i].first == GLTF_NONE);
-    }
-    norma_gltf_tree_raise(&b->tree, wanted, b->options->matrix);
+/* The matrix above the roots: all of them or, baking, those that hold something it must move and
+ * are not baked themselves, which have it in what keep_children made. A skinned mesh goes by its
+ * joints: one without children stays a root, as validators want it. */
+static norma_document_result raise_roots_of(gltf_tree *tree, const baked_node *nodes,
+    const double matrix[16], norma_document_error *error) {
+    const gltf *g = tree->g;
+    unsigned char *wanted = norma_io_allocate((size_t)g->node_count + 1, 1);
+    if (!wanted) return norma_document_fail_memory(g->document, error);
+    for (uint32_t i = 0; !tree->failed && i < g->node_count; ++i)
+        wanted[i] = (!nodes || (nodes[i].under_matrix && nodes[i].fate != FATE_BAKED)) &&
+                    !(g->nodes[i].skin != GLTF_NONE && tree->nodes[i].first == GLTF_NONE);
+    norma_gltf_tree_raise(tree, wanted, matrix);
     free(wanted);
     return NORMA_DOCUMENT_OK;
 }
@@ -333,11 +330,11 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     const uint32_t mesh = g->nodes[node].mesh;
     uint32_t copy = 0, number = mesh;
     bake_map map;
-    if (b->stays[mesh] || b->taken[mesh]) copy = norma_gltf_copy_mesh(g, mesh, &number);
-    if (((b->stays[mesh] || b->taken[mesh]) && !copy) ||
-        !norma_gltf_bake_map(&b->cache, world, &map))
+    const int is_copy = b->meshes[mesh].stays || b->meshes[mesh].taken;
+    if (is_copy) copy = norma_gltf_copy_mesh(g, mesh, &number);
+    if ((is_copy && !copy) || !norma_gltf_bake_map(&b->cache, world, &map))
         return norma_document_fail_memory(g->document, error);
-    b->taken[mesh] = 1;
+    b->meshes[mesh].taken = 1;
     b->tree.nodes[holder].mesh_changed = holder >= g->node_count || number != mesh;
     b->tree.nodes[holder].mesh = number;
     ++b->summary->meshes;
@@ -415,7 +412,7 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
     double world[16];
     norma_gltf_matrix_multiply(b->options->matrix, b->g->nodes[node].world, world);
     uint32_t holder = node;
-    if (b->fates[node] == FATE_BAKED)
+    if (b->nodes[node].fate == FATE_BAKED)
         rehang_baked(b, node);
     else
         holder = part(b, node);
@@ -434,11 +431,12 @@ static norma_document_result unlist_instancing(baking *b, norma_document_error *
 }
 
 static norma_document_result bake_all(baking *b, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
     decide_fates(b);
-    norma_document_result result = decide_under_matrix(b, error);
+    decide_under_matrix(b);
     for (uint32_t i = 0; !result && i < b->g->node_count; ++i)
-        if (b->fates[b->order[i]] != FATE_KEEPS) result = bake_node(b, b->order[i], error);
-    if (!result && b->moves) result = raise_under_matrix(b, error);
+        if (b->nodes[b->order[i]].fate != FATE_KEEPS) result = bake_node(b, b->order[i], error);
+    if (!result && b->moves) result = raise_roots_of(&b->tree, b->nodes, b->options->matrix, error);
     if (!result) result = unlist_instancing(b, error);
     return result ? result : norma_gltf_tree_write(&b->tree, error);
 }
@@ -636,21 +634,12 @@ static void count_drawn(const gltf *g, norma_transform_summary *summary) {
     }
 }
 
-/* A skinned mesh goes by its joints: one without children stays a root, as validators want it. */
 static norma_document_result raise_all(
     gltf *g, const double matrix[16], norma_document_error *error) {
     gltf_tree tree;
-    unsigned char *wanted = norma_io_allocate((size_t)g->node_count + 1, 1);
     norma_gltf_tree_read(g, &tree);
-    norma_document_result result =
-        wanted ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
-    for (uint32_t i = 0; wanted && !tree.failed && i < g->node_count; ++i)
-        wanted[i] = !(g->nodes[i].skin != GLTF_NONE && tree.nodes[i].first == GLTF_NONE);
-    if (!result) {
-        norma_gltf_tree_raise(&tree, wanted, matrix);
-        result = norma_gltf_tree_write(&tree, error);
-    }
-    free(wanted);
+    norma_document_result result = raise_roots_of(&tree, NULL, matrix, error);
+    if (!result) result = norma_gltf_tree_write(&tree, error);
     norma_gltf_tree_free(&tree);
     return result;
 }
