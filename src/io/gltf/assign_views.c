@@ -519,64 +519,48 @@ static size_t stride_for(const data_run *run) {
     return vertex && run->size % 4 ? (run->size + 3) / 4 * 4 : run->size;
 }
 
-/* Fills a view, old or new, with one run alone. */
-static norma_document_result take_view(placer *p, uint32_t view, data_run *run) {
-    patch_view *to = &p->patch->views[view];
-    size_t stride = stride_for(run);
-    if (run->count > SIZE_MAX / stride ||
-        (stride != run->size && !(to->owned = norma_io_allocate(run->count, stride))))
-        return fail_views(p);
-    to->plain.bytes = to->owned ? to->owned : run->bytes;
-    to->plain.length = run->count * stride;
-    to->element = stride;
-    int said = view < p->g->view_count && p->g->views[view].stride == stride;
-    to->stride = stride != run->size || said ? stride : 0;
-    to->target = run->target;
-    if (to->owned) write_run_rows(to->owned, stride, run);
-    norma_gltf_point_data_run(p->g, run, view, 0);
-    run->placed = 1;
-    return NORMA_DOCUMENT_OK;
-}
-
 /* Runs that left one view and have one stride share a new one, so that the JSON does not grow by
  * more than they shrink. */
-static int shares_view(const data_run *run, const data_run *with) {
-    return !run->placed && run->old_view == with->old_view && run->old_size &&
-           run->target == with->target && stride_for(run) == stride_for(with);
+static int shares_view(const gltf_patch *patch, const data_run *run, const data_run *with) {
+    return patch->tight && with->old_view != GLTF_NONE && with->target == 34962 && !run->placed &&
+           run->old_view == with->old_view && run->old_size && run->target == with->target &&
+           stride_for(run) == stride_for(with);
 }
 
-static norma_document_result take_view_together(placer *p, uint32_t view, size_t first) {
+/* Fills a view, old or new, with the run and those that share it. */
+static norma_document_result take_view(placer *p, uint32_t view, size_t first) {
     gltf_patch *patch = p->patch;
     patch_view *to = &patch->views[view];
     const data_run lead = patch->runs[first];
     const size_t stride = stride_for(&lead);
-    size_t rows = 0, others = 0;
-    for (size_t i = first; i < patch->run_count; ++i) {
-        if (!shares_view(&patch->runs[i], &lead)) continue;
+    size_t rows = lead.count, end = first + 1;
+    for (size_t i = end; i < patch->run_count; ++i) {
+        if (!shares_view(patch, &patch->runs[i], &lead)) continue;
         rows += patch->runs[i].count;
-        others += i != first;
+        end = i + 1;
     }
-    if (!patch->tight || !others || lead.old_view == GLTF_NONE || lead.target != 34962)
-        return take_view(p, view, &patch->runs[first]);
-    size_t *starts = norma_io_allocate(patch->run_count - first, sizeof *starts); /* rows */
-    to->plain.bytes = to->owned = norma_io_allocate(rows, stride);
-    if (!to->owned || !starts) {
+    const int moves = stride != lead.size || rows != lead.count,
+              said = view < p->g->view_count && p->g->views[view].stride == stride;
+    size_t *starts = norma_io_allocate(end - first, sizeof *starts); /* rows, + 1 */
+    if (moves) to->owned = norma_io_allocate(rows, stride);
+    if (!starts || rows > SIZE_MAX / stride || (moves && !to->owned)) {
         free(starts);
         return fail_views(p);
     }
-    memset(starts, 0xFF, (patch->run_count - first) * sizeof *starts);
-    to->element = to->stride = stride;
+    to->plain.bytes = moves ? to->owned : lead.bytes;
+    to->element = stride;
+    to->stride = moves || said ? stride : 0;
     to->target = lead.target;
     rows = 0;
-    for (size_t i = first; i < patch->run_count; ++i) {
+    for (size_t i = first; i < end; ++i) {
         data_run *run = &patch->runs[i];
-        if (!shares_view(run, &lead)) continue;
+        if (i != first && !shares_view(patch, run, &lead)) continue;
         size_t same = first; /* two accessors may be of the same bytes */
-        while (same < i && !(starts[same - first] != SIZE_MAX && same_run(&patch->runs[same], run)))
-            ++same;
-        starts[i - first] = same < i ? starts[same - first] : rows;
-        write_run_rows(to->owned + starts[i - first] * stride, stride, run);
-        norma_gltf_point_data_run(p->g, run, view, starts[i - first] * stride);
+        while (same < i && !(starts[same - first] && same_run(&patch->runs[same], run))) ++same;
+        const size_t start = same < i ? starts[same - first] - 1 : rows;
+        starts[i - first] = start + 1;
+        if (moves) write_run_rows(to->owned + start * stride, stride, run);
+        norma_gltf_point_data_run(p->g, run, view, start * stride);
         rows += same < i ? 0 : run->count;
         run->placed = 1;
     }
@@ -642,7 +626,7 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
         run->placed = 1;
     }
     if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)
-        result = take_view_together(p, view, leaver);
+        result = take_view(p, view, leaver);
     return result;
 }
 
@@ -710,7 +694,7 @@ static norma_document_result add_new_views(placer *p) {
         patch_view *view = add_view(patch);
         if (!view) return fail_views(p);
         choose_places(p, view, run->old_view == GLTF_NONE ? compressed : run->old_view);
-        result = take_view_together(p, (uint32_t)patch->view_count - 1, i);
+        result = take_view(p, (uint32_t)patch->view_count - 1, i);
     }
     return result;
 }

@@ -263,15 +263,16 @@ static norma_document_result read_uri(gltf *g, uint32_t number, norma_document_e
                : NORMA_DOCUMENT_OK;
 }
 
+const char *const norma_gltf_meshopt_modes[3] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+const char *const norma_gltf_meshopt_filters[4] = {
+    "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+
 static norma_document_result read_meshopt(gltf *g, gltf_view *view, norma_document_error *error) {
-    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
-    static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
     const json *j = &g->json;
     gltf_meshopt *m = &view->meshopt;
-    uint32_t extensions = norma_json_member(j, view->token, "extensions");
-    m->token = norma_json_member(j, extensions, "EXT_meshopt_compression");
+    m->token = norma_gltf_extension(g, view->token, "EXT_meshopt_compression");
     if (m->token == JSON_NONE)
-        m->token = norma_json_member(j, extensions, "KHR_meshopt_compression");
+        m->token = norma_gltf_extension(g, view->token, "KHR_meshopt_compression");
     if (m->token == JSON_NONE) return NORMA_DOCUMENT_OK;
     m->buffer = GLTF_NONE;
     int ok = norma_gltf_index_member(g, m->token, "buffer", g->buffer_count, &m->buffer) &&
@@ -283,9 +284,10 @@ static norma_document_result read_meshopt(gltf *g, gltf_view *view, norma_docume
     uint32_t mode = norma_json_member(j, m->token, "mode"),
              filter = norma_json_member(j, m->token, "filter");
     unsigned mode_number = 0, filter_number = 0;
-    while (mode_number < 3 && !norma_json_equals(j, mode, modes[mode_number])) ++mode_number;
+    while (mode_number < 3 && !norma_json_equals(j, mode, norma_gltf_meshopt_modes[mode_number]))
+        ++mode_number;
     while (filter != JSON_NONE && filter_number < 4 &&
-           !norma_json_equals(j, filter, filters[filter_number]))
+           !norma_json_equals(j, filter, norma_gltf_meshopt_filters[filter_number]))
         ++filter_number;
     if (!ok || mode_number == 3 || filter_number == 4)
         return norma_gltf_malformed(g, error, m->token,
@@ -566,7 +568,6 @@ static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t c
         free(name);
         free(uri);
     }
-    fail_if(s, !same, ENOMEM);
     fail_if(s, !same, ENOMEM);
     if (any) return same;
     free(same);

@@ -10,8 +10,6 @@
 /* ---- views */
 
 static void describe_compression(json_text *text, const patch_view *view) {
-    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
-    static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
     const gltf_meshopt *m = &view->meshopt;
     norma_json_add_text(text, "{");
     norma_json_add_uint_member(text, "buffer", view->packed.buffer);
@@ -20,10 +18,10 @@ static void describe_compression(json_text *text, const patch_view *view) {
     norma_json_add_uint_member(text, "byteStride", m->stride);
     norma_json_add_uint_member(text, "count", m->count);
     norma_json_add_key(text, "mode");
-    norma_json_add_quoted(text, modes[m->mode]);
+    norma_json_add_quoted(text, norma_gltf_meshopt_modes[m->mode]);
     if (m->filter != GLTF_FILTER_NONE) {
         norma_json_add_key(text, "filter");
-        norma_json_add_quoted(text, filters[m->filter]);
+        norma_json_add_quoted(text, norma_gltf_meshopt_filters[m->filter]);
     }
     norma_json_add_text(text, "}");
 }

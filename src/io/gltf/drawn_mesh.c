@@ -198,15 +198,12 @@ static norma_document_result make_joints(
 static norma_document_result read_drawn_joints(
     gltf *g, uint32_t index, const gltf_joints **joints, norma_document_error *error) {
     gltf_scene *scene = norma_gltf_scene_of(g);
-    uint32_t skin;
-    norma_document_result result = norma_gltf_skin_token(g, index, &skin, error);
-    if (result) return result;
     if (!scene->joints && !(scene->joints = norma_scene_allocate(
                                 g->document->scene, g->skin_count, sizeof *scene->joints)))
         return norma_document_fail_memory(g->document, error);
     if (!scene->joints[index].matrices) {
         gltf_joints made = {0};
-        result = make_joints(g, skin, &made, error);
+        const norma_document_result result = make_joints(g, scene->skins[index], &made, error);
         if (result) return result;
         scene->joints[index] = made;
     }
@@ -434,9 +431,6 @@ static norma_document_result make_moved(gltf *g, uint32_t node, size_t mesh, int
 static norma_document_result find_moved(gltf *g, size_t index, size_t mesh, int skinned,
     norma_drawn_mesh *drawn, norma_document_error *error) {
     gltf_scene *scene = norma_gltf_scene_of(g);
-    if (!scene->moved && !(scene->moved = norma_scene_allocate(
-                               g->document->scene, g->drawing_count, sizeof(gltf_moved *))))
-        return norma_document_fail_memory(g->document, error);
     gltf_moved *found = scene->moved[index];
     while (found && found->mesh != mesh) found = found->next;
     if (!found) {

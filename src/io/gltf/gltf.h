@@ -77,6 +77,8 @@ typedef struct gltf_meshopt { /* EXT_meshopt_compression of a view */
     } filter;
 } gltf_meshopt;
 
+extern const char *const norma_gltf_meshopt_modes[3], *const norma_gltf_meshopt_filters[4];
+
 typedef struct gltf_view {
     uint32_t token, buffer;
     size_t offset, length, stride; /* stride 0: none given */
@@ -538,7 +540,7 @@ typedef struct gltf_scene {
     struct gltf_animation *animations; /* NULL: not yet */
     uint32_t animation_count;
     const norma_document_error *animation_error; /* NULL: none */
-    uint32_t *skins;                             /* the token of each; NULL: not yet */
+    uint32_t *skins;                             /* the token of each */
     size_t effort;                               /* steps that skins and animations took */
     size_t measured;                             /* the same, of the errors of normals */
     struct gltf_joints *joints;                  /* of each skin, at rest; NULL: not yet */
@@ -590,10 +592,6 @@ void norma_gltf_free_influences(gltf *g, uint32_t primitive, norma_skin *skin);
 size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
-
-/* members.c: where in the JSON a skin lies. */
-norma_document_result norma_gltf_skin_token(
-    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error);
 
 /* drawn_mesh.c: drawn is filled as the file stores the mesh. */
 norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,

@@ -159,9 +159,6 @@ gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
 
-/* gltf_write.c: adds to counts how often the JSON names each texture, each image. */
-void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
-void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
 /* ---- patch.c: refuses to add to a list that some index of the file reaches beyond. */
 typedef enum gltf_list {
     GLTF_LIST_ACCESSORS,

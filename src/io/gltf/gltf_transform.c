@@ -503,10 +503,9 @@ static norma_document_result measure_offset(
             *fits ? norma_gltf_array(g, p->base.position, &array, error) : NORMA_DOCUMENT_OK;
         if (result) return result;
         for (size_t v = 0; *fits && v < array.count; ++v) {
-            float element[16];
-            norma_gltf_floats(&array, v, element);
-            norma_recentre_add(&box,
-                (const double[3]){(double)element[0], (double)element[1], (double)element[2]});
+            double element[3];
+            norma_gltf_doubles(&array, v, element);
+            norma_recentre_add(&box, element);
         }
     }
     *fits = *fits && norma_recentre_step(&box, r->steps[mesh]);
@@ -525,10 +524,8 @@ static norma_document_result move_mesh_positions(
     double *values = result ? NULL : norma_io_allocate(array.count + 1, 3 * sizeof *values);
     if (!values) return result ? result : norma_document_fail_memory(g->document, error);
     for (size_t v = 0; v < array.count; ++v) {
-        float element[16];
-        norma_gltf_floats(&array, v, element);
-        for (size_t axis = 0; axis < 3; ++axis)
-            values[3 * v + axis] = (double)element[axis] - step[axis];
+        norma_gltf_doubles(&array, v, values + 3 * v);
+        for (size_t axis = 0; axis < 3; ++axis) values[3 * v + axis] -= step[axis];
     }
     const bake_encoded encoded = norma_gltf_encode(BAKE_POSITIONS, &array, values, &data);
     free(values);

@@ -36,8 +36,16 @@ gltf_scene *norma_gltf_scene_of(gltf *g) {
     made->colors = norma_scene_allocate(scene, g->accessor_count, sizeof *made->colors);
     made->mesh_ignore = norma_scene_allocate(scene, g->mesh_count, sizeof *made->mesh_ignore);
     made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
-    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore) scene->gltf = made;
-    return scene->gltf;
+    made->skins = norma_scene_allocate(scene, g->skin_count, sizeof *made->skins);
+    made->moved = norma_scene_allocate(scene, g->drawing_count, sizeof *made->moved);
+    if (!made->decoded || !made->colors || !made->mesh_ignore || !made->node_ignore ||
+        !made->skins || !made->moved)
+        return NULL;
+    const uint32_t skins = norma_json_member(&g->json, 0, "skins");
+    uint32_t number = 0;
+    for (uint32_t item = JSON_NONE; g->skin_count && norma_json_each(&g->json, skins, &item);)
+        made->skins[number++] = item;
+    return scene->gltf = made;
 }
 
 enum {
@@ -311,25 +319,4 @@ int norma_gltf_is_known(const char *name) {
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
         if (strcmp(name, names[i]) == 0) return 1;
     return norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0;
-}
-
-/* ---- Skins by their numbers: the list is walked once. */
-
-static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_document_error *error) {
-    if (scene && scene->skins) return NORMA_DOCUMENT_OK;
-    uint32_t list = norma_json_member(&g->json, 0, "skins"), number = 0;
-    uint32_t *skins =
-        scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
-    if (!skins) return norma_document_fail_memory(g->document, error);
-    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, list, &item);) skins[number++] = item;
-    scene->skins = skins;
-    return NORMA_DOCUMENT_OK;
-}
-
-norma_document_result norma_gltf_skin_token(
-    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error) {
-    gltf_scene *scene = norma_gltf_scene_of(g);
-    norma_document_result result = find_skins(g, scene, error);
-    if (!result) *token = scene->skins[skin];
-    return result;
 }

@@ -538,19 +538,22 @@ static norma_document_result measure_errors(pose *p, norma_document_error *error
 /* ---- a skin */
 
 static norma_document_result make_skin(
-    gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
+    gltf *g, size_t index, norma_skin_info *info, norma_document_error *error) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    if (!scene) return norma_document_fail_memory(g->document, error);
+    const uint32_t token = scene->skins[index];
     pose p = {.g = g,
-        .scene = norma_gltf_scene_of(g),
+        .scene = scene,
         .info = info,
+        .effort = &scene->effort,
         .index = (uint32_t)index,
         .skin = token};
     *info = (norma_skin_info){.joint = SIZE_MAX, .normal_error_rad = NAN};
-    if (p.scene) p.effort = &p.scene->effort;
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "skins", index);
     info->ignore = norma_gltf_root_ignore(g);
     norma_document_result result =
-        p.scene && info->name && info->where && info->ignore
+        info->name && info->where && info->ignore
             ? norma_gltf_read_joints(g, token, &p.joints, &p.joint_count, error)
             : fail_skin(&p, error);
     info->joint_count = p.joint_count;
@@ -579,11 +582,8 @@ norma_document_result norma_gltf_skin(
         return norma_document_fail_memory(document, error);
     if (!scene->skins[index]) {
         norma_skin_info *made = norma_scene_allocate(scene, 1, sizeof *made);
-        uint32_t token = 0;
         norma_document_result result =
-            made ? norma_gltf_skin_token(g, (uint32_t)index, &token, error)
-                 : norma_document_fail_memory(document, error);
-        if (!result) result = make_skin(g, token, index, made, error);
+            made ? make_skin(g, index, made, error) : norma_document_fail_memory(document, error);
         if (result) return result;
         scene->skins[index] = made;
     }

@@ -7,13 +7,10 @@ enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 2
 
 typedef struct tile_search {
     const norma_document *document;
-    gltf_tile path;   /* the headers above what is looked at */
+    gltf_tile path;   /* the headers above what is looked at, and which have no GLB */
     size_t found;     /* GLBs */
     gltf_tile *tiles; /* written: of the first GLBs, */
     size_t room;      /* so many */
-    size_t without;   /* tiles without one; the first: */
-    size_t without_at;
-    const char *instead; /* what it has */
 } tile_search;
 
 static norma_document_result fail_tile(const tile_search *s, norma_document_error *error,
@@ -24,9 +21,9 @@ static norma_document_result fail_tile(const tile_search *s, norma_document_erro
 }
 
 static void leave_out_tile(tile_search *s, size_t at, const char *instead) {
-    if (s->without++ > 0) return;
-    s->without_at = at;
-    s->instead = instead;
+    if (s->path.left_out++ > 0) return;
+    s->path.left_out_at = at;
+    s->path.left_out_why = instead;
 }
 
 static int has_magic(const unsigned char *at, const char *magic) {
@@ -98,7 +95,7 @@ static norma_document_result look_into_file(tile_search *s, norma_document_error
         look_into_tile(s, 0, s->document->source.size, &next, error);
     if (result || s->found) return result;
     return norma_document_fail(s->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "the tile %s", s->instead ? s->instead : "is empty");
+        "the tile %s", s->path.left_out_why ? s->path.left_out_why : "is empty");
 }
 
 norma_document_result norma_gltf_find_tiles(const norma_document *document, gltf_tile *tiles,
@@ -106,9 +103,7 @@ norma_document_result norma_gltf_find_tiles(const norma_document *document, gltf
     tile_search s = {.document = document, .tiles = tiles, .room = room};
     const norma_document_result result = look_into_file(&s, error);
     *found = s.found;
-    left_out->left_out = s.without;
-    left_out->left_out_at = s.without_at;
-    left_out->left_out_why = s.instead;
+    *left_out = s.path;
     return result;
 }
 
