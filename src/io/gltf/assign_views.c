@@ -426,11 +426,11 @@ uint32_t *norma_gltf_view_pins(const gltf *g) {
     uint32_t *pins = norma_io_allocate(g->view_count, sizeof *pins);
     for (uint32_t token = 2; pins && token < j->count; ++token) {
         uint32_t parent = j->tokens[token].parent;
-        uint64_t view;
-        if (j->tokens[token].type == JSON_NUMBER && j->tokens[parent].type == JSON_OBJECT &&
-            norma_json_equals(j, token - 1, "bufferView") && !is_accessor(g, parent) &&
-            norma_json_uint(j, token, &view) && view < g->view_count)
-            ++pins[view];
+        if (j->tokens[token].type != JSON_NUMBER || j->tokens[parent].type != JSON_OBJECT ||
+            !norma_json_equals(j, token - 1, "bufferView") || is_accessor(g, parent))
+            continue;
+        const uint32_t view = norma_gltf_number(g, token, g->view_count);
+        if (view != GLTF_NONE) ++pins[view];
     }
     return pins;
 }

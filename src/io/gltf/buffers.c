@@ -94,7 +94,7 @@ int norma_gltf_uri_is_data(const char *uri) {
     return 1;
 }
 
-char *norma_gltf_image_name(const json *j, uint32_t image, int *failed) {
+char *norma_gltf_file_name(const json *j, uint32_t image, int *failed) {
     const uint32_t token =
         norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE;
     errno = 0;

@@ -46,8 +46,8 @@ static int mark_roots(const gltf *g, uint8_t *shown) {
                                : JSON_NONE,
                    roots = norma_json_member(j, scene, "nodes");
     for (uint32_t item = JSON_NONE; norma_json_each(j, roots, &item);) {
-        uint64_t node;
-        if (norma_json_uint(j, item, &node) && node < g->node_count) shown[node] = 1;
+        const uint32_t node = norma_gltf_number(g, item, g->node_count);
+        if (node != GLTF_NONE) shown[node] = 1;
     }
     return 1;
 }
@@ -136,12 +136,12 @@ static int has_skin(const gltf *g, const gltf_node *node, const gltf_primitive *
 norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
     gltf_array *array, int *there, norma_document_error *error) {
     const uint32_t token = norma_json_member(&g->json, skin, "inverseBindMatrices");
-    uint64_t accessor;
+    const uint32_t accessor = norma_gltf_number(g, token, g->accessor_count);
     *there = token != JSON_NONE;
     if (!*there) return NORMA_DOCUMENT_OK;
-    if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
+    if (accessor == GLTF_NONE)
         return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
-    norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
+    norma_document_result result = norma_gltf_array(g, accessor, array, error);
     if (!result &&
         (array->width != 16 || !norma_gltf_is_float(array->component) || array->count < joints))
         result = norma_gltf_malformed(g, error, token, "a matrix for each joint");
@@ -159,10 +159,10 @@ norma_document_result norma_gltf_read_joints(
     *joints = norma_io_allocate(norma_json_size(j, list), sizeof **joints);
     if (!*joints) return norma_document_fail_memory(g->document, error);
     for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);) {
-        uint64_t node;
-        if (!norma_json_uint(j, item, &node) || node >= g->node_count)
+        const uint32_t node = norma_gltf_number(g, item, g->node_count);
+        if (node == GLTF_NONE)
             return norma_gltf_malformed(g, error, item, "the number of an existing node");
-        (*joints)[(*count)++] = (uint32_t)node;
+        (*joints)[(*count)++] = node;
     }
     return NORMA_DOCUMENT_OK;
 }

@@ -283,7 +283,7 @@ static norma_document_result add_image_names(companions *c, file_names *names) {
     for (uint32_t image = JSON_NONE; !result && norma_json_each(j, images, &image);) {
         int failed;
         if (norma_document_given_image(c->document, number++)) continue;
-        char *name = norma_gltf_image_name(j, image, &failed);
+        char *name = norma_gltf_file_name(j, image, &failed);
         if (name)
             result = add_name(c, names, name, GLTF_NONE);
         else if (failed)
@@ -349,7 +349,7 @@ static int visit_images(const norma_document *document, norma_visit_file *visit,
     size_t number = 0;
     for (uint32_t image = JSON_NONE; !stop && norma_json_each(j, images, &image);) {
         if (norma_document_given_image(document, number++)) continue;
-        char *name = norma_gltf_image_name(j, image, &stop);
+        char *name = norma_gltf_file_name(j, image, &stop);
         if (stop) return -1;
         if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
         free(name);

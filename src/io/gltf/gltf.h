@@ -358,6 +358,13 @@ uint32_t norma_gltf_texcoords(const gltf *g, const gltf_primitive *p, size_t set
 /* members.c, as the rest of this part. Optional object members: 1: there (or, 2nd form, absent and
  * *value left as it was), 0: there with another type or out of range; message filled by the caller.
  */
+/* A number below limit, the index of something; GLTF_NONE: it is none. */
+static inline uint32_t norma_gltf_number(const gltf *g, uint32_t token, uint32_t limit) {
+    uint64_t number;
+    return token != JSON_NONE && norma_json_uint(&g->json, token, &number) && number < limit
+               ? (uint32_t)number
+               : GLTF_NONE;
+}
 static inline uint32_t norma_gltf_extension(const gltf *g, uint32_t object, const char *name) {
     return norma_json_member(&g->json, norma_json_member(&g->json, object, "extensions"), name);
 }
@@ -387,9 +394,9 @@ char *norma_gltf_uri_decode(const char *uri); /* percent escapes resolved, to be
                                                  memory, a bad escape, or an escaped NUL */
 char *norma_gltf_uri_encode(const char *name);
 int norma_gltf_uri_is_data(const char *uri);
-/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
- * memory is out. */
-char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
+/* The URI of an image or a buffer as a name; NULL: it has none, or its bytes stand in the URI
+ * itself. *failed: memory is out. */
+char *norma_gltf_file_name(const json *j, uint32_t image, int *failed);
 /* Of a data: URI; NULL: not base64 (or percent-encoded) as it should be, out of memory, or
  * cancelled.
  */

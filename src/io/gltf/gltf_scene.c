@@ -86,10 +86,10 @@ static int load_image_file(gltf *g, gltf_image *image, const char *uri) {
 }
 
 static int load_view(gltf *g, gltf_image *image, uint32_t token) {
-    uint64_t view;
-    norma_document_result result = NORMA_DOCUMENT_ERROR_MALFORMED;
-    if (norma_json_uint(&g->json, token, &view) && view < g->view_count)
-        result = norma_gltf_view_bytes(g, (uint32_t)view, &image->bytes, NULL);
+    const uint32_t view = norma_gltf_number(g, token, g->view_count);
+    const norma_document_result result = view == GLTF_NONE
+                                             ? NORMA_DOCUMENT_ERROR_MALFORMED
+                                             : norma_gltf_view_bytes(g, view, &image->bytes, NULL);
     if (result)
         return result != NORMA_DOCUMENT_ERROR_MEMORY &&
                fail_image(image, "its bytes cannot be read");
@@ -143,20 +143,14 @@ static void gltf_turn(double angle, double *cosine, double *sine) {
 }
 
 static uint32_t element(const gltf *g, const char *list, uint32_t number_token) {
-    const json *j = &g->json;
-    uint64_t number;
-    const uint32_t array = norma_json_member(j, 0, list);
-    if (number_token == JSON_NONE || !norma_json_uint(j, number_token, &number) ||
-        number >= norma_json_size(j, array))
-        return JSON_NONE;
-    return norma_json_element(j, array, (uint32_t)number);
+    const uint32_t array = norma_json_member(&g->json, 0, list),
+                   number = norma_gltf_number(g, number_token, norma_json_size(&g->json, array));
+    return number == GLTF_NONE ? JSON_NONE : norma_json_element(&g->json, array, number);
 }
 
 static void read_int(const gltf *g, uint32_t object, const char *key, int *value) {
-    uint64_t number;
-    const uint32_t token = norma_json_member(&g->json, object, key);
-    if (token != JSON_NONE && norma_json_uint(&g->json, token, &number) && number < 1 << 16)
-        *value = (int)number;
+    const uint32_t number = norma_gltf_number(g, norma_json_member(&g->json, object, key), 1 << 16);
+    if (number != GLTF_NONE) *value = (int)number;
 }
 
 static void read_texture_sampler(const gltf *g, uint32_t texture, norma_texture_info *info) {

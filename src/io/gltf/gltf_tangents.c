@@ -21,7 +21,6 @@ typedef struct tangent_set {
     gltf_array encoding; /* of the stored tangents; floats where there are none */
     size_t size;         /* bytes of one code */
     unsigned char *codes;
-    float **deltas; /* for each morph target with normals three numbers a vertex; else NULL */
     size_t capacity;
 } tangent_set;
 
@@ -312,9 +311,9 @@ static int grow_vertices(tangent_set *of, uint32_t targets, float *const *like, 
     memset(codes + of->capacity * of->size, 0, (larger - of->capacity) * of->size);
     for (uint32_t t = 0; t < targets; ++t) {
         if (!like[t]) continue;
-        float *deltas = norma_io_move_block(of->deltas[t], of->capacity * 12, larger, 12);
+        float *deltas = norma_io_move_block(of->set->deltas[t], of->capacity * 12, larger, 12);
         if (!deltas) return 0;
-        of->deltas[t] = deltas;
+        of->set->deltas[t] = deltas;
         memset(deltas + 3 * of->capacity, 0, (larger - of->capacity) * 12);
     }
     of->capacity = larger;
@@ -325,8 +324,8 @@ static int begin_tangent_vertices(tangent_set *of, const gltf_primitive *p, floa
     gltf_set *set = of->set;
     if (set->taken) return 1;
     set->taken = norma_io_allocate(set->vertices, 1);
-    of->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *of->deltas);
-    return set->taken && of->deltas && grow_vertices(of, p->target_count, like, set->vertices);
+    of->set->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *of->set->deltas);
+    return set->taken && of->set->deltas && grow_vertices(of, p->target_count, like, set->vertices);
 }
 
 /* The number of the vertex that a corner's becomes; GLTF_NONE: out of memory, or of numbers. */
@@ -347,7 +346,8 @@ static uint32_t take_tangent_vertex(tangent_set *of, const gltf_primitive *p, ui
     set->taken[vertex] = 1;
     memcpy(of->codes + number * of->size, code, of->size);
     for (uint32_t t = 0; t < p->target_count; ++t)
-        if (made->deltas[t]) memcpy(of->deltas[t] + 3 * number, made->deltas[t] + 3 * corner, 12);
+        if (made->deltas[t])
+            memcpy(of->set->deltas[t] + 3 * number, made->deltas[t] + 3 * corner, 12);
     *place = (uint32_t)number + 1;
     return (uint32_t)number;
 }
@@ -416,13 +416,13 @@ static norma_document_result put_tangent_targets(tangent_job *job, tangent_set *
     const gltf_primitive *lead = &g->primitives[of->set->lead];
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t t = 0; !result && t < lead->target_count; ++t) {
-        const int made = of->deltas[t] != NULL;
+        const int made = of->set->deltas[t] != NULL;
         if (of->set->added_count)
             result = put_copies(job, of, (int32_t)t, &g->targets[lead->first_target + t], made);
         if (!result && made)
-            result = norma_gltf_put_deltas(&job->sets, of->set, t, "TANGENT", of->deltas[t]);
-        free(of->deltas[t]);
-        of->deltas[t] = NULL;
+            result = norma_gltf_put_deltas(&job->sets, of->set, t, "TANGENT", of->set->deltas[t]);
+        free(of->set->deltas[t]);
+        of->set->deltas[t] = NULL;
     }
     return result;
 }
@@ -446,14 +446,6 @@ static norma_document_result gltf_put_tangents(tangent_job *job, tangent_set *of
         result = norma_gltf_put_in_set(&job->sets, set, GLTF_SLOT_BASE, "TANGENT", &data);
     }
     return result ? result : put_tangent_targets(job, of);
-}
-
-/* gltf_tangents.c: corners become vertices, vertices contents. */
-static void gltf_tangent_set_free(const gltf *g, tangent_set *of) {
-    for (uint32_t t = 0; of->deltas && t < g->primitives[of->set->lead].target_count; ++t)
-        free(of->deltas[t]);
-    free(of->deltas);
-    free(of->codes);
 }
 
 /* ---- What became of the tangents that stood on the normals which were computed
@@ -541,7 +533,7 @@ static norma_document_result compute_set(tangent_job *job, gltf_set *set) {
         ++job->summary->primitives;
     }
     if (!result && set->wanted) result = gltf_put_tangents(job, &of);
-    gltf_tangent_set_free(g, &of);
+    free(of.codes);
     return result;
 }
 

@@ -30,9 +30,8 @@ static uint32_t *gltf_bake_order(const gltf *g, const gltf_tree *tree) {
 }
 
 static void flag_node(const gltf *g, unsigned char *flags, uint32_t token, unsigned flag) {
-    uint64_t number;
-    if (norma_json_uint(&g->json, token, &number) && number < g->node_count)
-        flags[number] = (unsigned char)(flags[number] | flag);
+    const uint32_t node = norma_gltf_number(g, token, g->node_count);
+    if (node != GLTF_NONE) flags[node] = (unsigned char)(flags[node] | flag);
 }
 
 /* KHR_animation_pointer: "/nodes/7/rotation". */
@@ -359,9 +358,8 @@ static norma_document_result take_instances(
     norma_document_result result = norma_gltf_read_instances(g, node, instances, error);
     const uint32_t attributes = instances->attributes;
     for (uint32_t value = JSON_NONE; !result && norma_json_each(&g->json, attributes, &value);) {
-        uint64_t accessor;
-        if (norma_json_uint(&g->json, value, &accessor) && accessor < g->accessor_count &&
-            !norma_gltf_release(g, (uint32_t)accessor))
+        const uint32_t accessor = norma_gltf_number(g, value, g->accessor_count);
+        if (accessor != GLTF_NONE && !norma_gltf_release(g, accessor))
             result = norma_document_fail_memory(g->document, error);
     }
     if (norma_json_size(&g->json, attributes) >

@@ -38,7 +38,7 @@ static int is_named(const gltf *g, const given_image *image, const char *name) {
          ++number) {
         if (number == image->number) continue;
         const given_image *given = norma_document_given_image(g->document, number);
-        char *other = given ? NULL : norma_gltf_image_name(j, token, &failed);
+        char *other = given ? NULL : norma_gltf_file_name(j, token, &failed);
         found = (given && given->name && equals_name(given->name, name)) ||
                 (other && equals_name(other, name));
         free(other);
@@ -189,13 +189,12 @@ static int replaces_own(const char *path, uint32_t number, int several) {
     if (!norma_file_is_regular(path) || norma_file_open(path, NULL, &file)) return 0;
     const gltf_other kind = norma_gltf_read_other(&file, &j);
     const uint32_t list = kind == GLTF_OTHER_READ ? norma_json_member(&j, 0, "buffers") : JSON_NONE;
-    for (uint32_t item = list == JSON_NONE ? JSON_NONE : norma_json_first(&j, list);
-         item != JSON_NONE && !belongs; item = norma_json_next(&j, list, item)) {
-        char *uri = norma_json_string(&j, norma_json_member(&j, item, "uri")),
-             *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
+    for (uint32_t item = JSON_NONE;
+         list != JSON_NONE && !belongs && norma_json_each(&j, list, &item);) {
+        int failed;
+        char *name = norma_gltf_file_name(&j, item, &failed);
         belongs = name && is_named_after(path, number, several, name);
         free(name);
-        free(uri);
     }
     if (kind == GLTF_OTHER_READ) norma_json_free(&j);
     norma_file_close(&file);

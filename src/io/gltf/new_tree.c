@@ -42,9 +42,8 @@ static void read_scenes(gltf_tree *tree) {
         const uint32_t roots = norma_json_member(j, token, "nodes");
         scene->token = token;
         for (uint32_t root = JSON_NONE; norma_json_each(j, roots, &root);) {
-            uint64_t number;
-            if (norma_json_uint(j, root, &number) && number < tree->g->node_count)
-                add_root(tree, scene, (uint32_t)number);
+            const uint32_t node = norma_gltf_number(tree->g, root, tree->g->node_count);
+            if (node != GLTF_NONE) add_root(tree, scene, node);
         }
     }
 }
@@ -70,10 +69,10 @@ void norma_gltf_tree_read(gltf *g, gltf_tree *tree) {
     for (uint32_t i = 0; i < g->node_count; ++i) {
         const uint32_t children = norma_json_member(&g->json, g->nodes[i].token, "children");
         for (uint32_t child = JSON_NONE; norma_json_each(&g->json, children, &child);) {
-            uint64_t number;
-            if (norma_json_uint(&g->json, child, &number) && number < g->node_count &&
-                g->nodes[number].parent == i && tree->nodes[number].parent == GLTF_NONE)
-                append_child(tree, i, (uint32_t)number);
+            const uint32_t node = norma_gltf_number(g, child, g->node_count);
+            if (node != GLTF_NONE && g->nodes[node].parent == i &&
+                tree->nodes[node].parent == GLTF_NONE)
+                append_child(tree, i, node);
         }
     }
     read_scenes(tree);
@@ -208,35 +207,26 @@ void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double loca
 
 /* Roots by the set of scenes that list them: each scene in turn splits every class into those that
  * it lists and the others. */
+typedef struct root_class {
+    uint32_t made_in, split_in,
+        split_to;   /* the scene (from 1) that made it, split it last; to what */
+    uint32_t above; /* the new node */
+} root_class;
+
 typedef struct root_classes {
-    uint32_t
-        *of; /* for each node, new ones too (a scene may list one), its class; 0: in no scene */
-    uint32_t *made_in, *split_in, *split_to,
-        *above; /* for each class: the scene (from 1) that made it, that split it last, into what;
-                   the new node */
+    uint32_t *of; /* for each node, new ones too (a scene may list one); 0: in no scene */
+    root_class *list;
     uint32_t count;
 } root_classes;
 
 static int allocate_classes(const gltf_tree *tree, root_classes *classes) {
     size_t most = 1;
     for (size_t i = 0; i < tree->scene_count; ++i) most += tree->scenes[i].count;
-    *classes = (root_classes){.count = 1};
-    classes->of = norma_io_allocate(tree->count + 1, sizeof *classes->of);
-    classes->made_in = norma_io_allocate(most, sizeof *classes->made_in);
-    classes->split_in = norma_io_allocate(most, sizeof *classes->split_in);
-    classes->split_to = norma_io_allocate(most, sizeof *classes->split_to);
-    classes->above = norma_io_allocate(most, sizeof *classes->above);
-    for (size_t i = 0; classes->above && i < most; ++i) classes->above[i] = GLTF_NONE;
-    return classes->of && classes->made_in && classes->split_in && classes->split_to &&
-           classes->above;
-}
-
-static void free_classes(root_classes *classes) {
-    free(classes->of);
-    free(classes->made_in);
-    free(classes->split_in);
-    free(classes->split_to);
-    free(classes->above);
+    *classes = (root_classes){.of = norma_io_allocate(tree->count + 1, sizeof *classes->of),
+        .list = norma_io_allocate(most, sizeof *classes->list),
+        .count = 1};
+    for (size_t i = 0; classes->list && i < most; ++i) classes->list[i].above = GLTF_NONE;
+    return classes->of && classes->list;
 }
 
 static void classify(const gltf_tree *tree, root_classes *classes) {
@@ -244,13 +234,14 @@ static void classify(const gltf_tree *tree, root_classes *classes) {
         const uint32_t scene = (uint32_t)i + 1;
         for (size_t k = 0; k < tree->scenes[i].count; ++k) {
             uint32_t *of = &classes->of[tree->scenes[i].roots[k]];
-            if (classes->made_in[*of] == scene) continue; /* listed twice */
-            if (classes->split_in[*of] != scene) {
-                classes->split_in[*of] = scene;
-                classes->split_to[*of] = classes->count;
-                classes->made_in[classes->count++] = scene;
+            root_class *class = &classes->list[*of];
+            if (class->made_in == scene) continue; /* listed twice */
+            if (class->split_in != scene) {
+                class->split_in = scene;
+                class->split_to = classes->count;
+                classes->list[classes->count++].made_in = scene;
             }
-            *of = classes->split_to[*of];
+            *of = class->split_to;
         }
     }
 }
@@ -261,7 +252,7 @@ static void raise_roots(
         if (!wanted[i] || tree->g->nodes[i].parent != GLTF_NONE ||
             tree->nodes[i].parent != GLTF_NONE)
             continue;
-        uint32_t *above = &classes->above[classes->of[i]];
+        uint32_t *above = &classes->list[classes->of[i]].above;
         if (*above == GLTF_NONE) *above = norma_gltf_tree_add(tree, GLTF_NONE);
         if (*above != GLTF_NONE) norma_gltf_tree_give(tree, i, *above);
     }
@@ -270,20 +261,20 @@ static void raise_roots(
         tree_scene *scene = &tree->scenes[i];
         size_t kept = 0;
         for (size_t k = 0; k < scene->count; ++k) {
-            const uint32_t root = scene->roots[k], class = classes->of[root];
-            const int raised = tree->nodes[root].parent != GLTF_NONE &&
-                               tree->nodes[root].parent == classes->above[class];
+            const uint32_t root = scene->roots[k], above = classes->list[classes->of[root]].above;
+            const int raised =
+                tree->nodes[root].parent != GLTF_NONE && tree->nodes[root].parent == above;
             scene->changed |= raised;
             if (!raised)
                 scene->roots[kept++] = root;
-            else if (tree->nodes[classes->above[class]].first == root)
-                scene->roots[kept++] = classes->above[class];
+            else if (tree->nodes[above].first == root)
+                scene->roots[kept++] = above;
         }
         scene->count = kept;
     }
     for (uint32_t i = 0; i < classes->count; ++i)
-        if (classes->above[i] != GLTF_NONE)
-            norma_gltf_tree_set_local(tree, classes->above[i], matrix);
+        if (classes->list[i].above != GLTF_NONE)
+            norma_gltf_tree_set_local(tree, classes->list[i].above, matrix);
 }
 
 void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const double matrix[16]) {
@@ -295,7 +286,8 @@ void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const d
     } else {
         tree->failed = 1;
     }
-    free_classes(&classes);
+    free(classes.of);
+    free(classes.list);
 }
 
 /* ---- The changed hierarchy as JSON: edits of old nodes and scenes, texts of new nodes.

@@ -219,19 +219,15 @@ static uint32_t first_of_instances(const gltf *g, uint32_t attributes) {
     const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT)
                                ? norma_json_first(&g->json, attributes)
                                : JSON_NONE;
-    uint64_t accessor;
-    return first != JSON_NONE && norma_json_uint(&g->json, first, &accessor) &&
-                   accessor < g->accessor_count
-               ? (uint32_t)accessor
-               : GLTF_NONE;
+    return norma_gltf_number(g, first, g->accessor_count);
 }
 
 static norma_document_result read_instance_array(gltf *g, uint32_t token, uint32_t width,
     size_t count, gltf_array *array, norma_document_error *error) {
-    uint64_t accessor;
-    if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
+    const uint32_t accessor = norma_gltf_number(g, token, g->accessor_count);
+    if (accessor == GLTF_NONE)
         return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
-    const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
+    const norma_document_result result = norma_gltf_array(g, accessor, array, error);
     if (result) return result;
     return array->width == width && array->count >= count && array->component != GLTF_UINT
                ? NORMA_DOCUMENT_OK
@@ -477,8 +473,8 @@ static norma_document_result read_children(gltf *g, uint32_t number, norma_docum
     if (children != JSON_NONE && !norma_json_is(j, children, JSON_ARRAY))
         return norma_gltf_malformed(g, error, children, "an array");
     for (uint32_t item = JSON_NONE; norma_json_each(j, children, &item);) {
-        uint64_t child;
-        if (!norma_json_uint(j, item, &child) || child >= g->node_count)
+        const uint32_t child = norma_gltf_number(g, item, g->node_count);
+        if (child == GLTF_NONE)
             return norma_gltf_malformed(g, error, item, "the number of an existing node");
         if (g->nodes[child].parent != GLTF_NONE || child == number)
             return norma_gltf_malformed(

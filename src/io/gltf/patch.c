@@ -513,7 +513,6 @@ static void count_others(const gltf *g, uint32_t *uses) {
     const json *j = &g->json;
     for (uint32_t token = 2; token < j->count; ++token) {
         uint32_t parent = j->tokens[token].parent;
-        uint64_t accessor;
         if (j->tokens[token].type != JSON_NUMBER || j->tokens[parent].type != JSON_OBJECT) continue;
         int named = norma_json_equals(j, token - 1, "input") ||
                     norma_json_equals(j, token - 1, "output") ||
@@ -522,9 +521,9 @@ static void count_others(const gltf *g, uint32_t *uses) {
         int instancing = above != JSON_NONE && j->tokens[above].type == JSON_OBJECT &&
                          norma_json_equals(j, parent - 1, "attributes") &&
                          norma_json_equals(j, above - 1, "EXT_mesh_gpu_instancing");
-        if ((named || instancing) && norma_json_uint(j, token, &accessor) &&
-            accessor < g->accessor_count)
-            ++uses[accessor];
+        const uint32_t accessor =
+            named || instancing ? norma_gltf_number(g, token, g->accessor_count) : GLTF_NONE;
+        if (accessor != GLTF_NONE) ++uses[accessor];
     }
 }
 

@@ -66,12 +66,11 @@ static norma_document_result read_primitive_attributes(
         .tangent = GLTF_NONE};
     for (uint32_t value = JSON_NONE; norma_json_each(j, token, &value);) {
         gltf_attribute *attribute = &g->attributes[g->attribute_count];
-        uint64_t accessor;
-        if (!norma_json_uint(j, value, &accessor) || accessor >= g->accessor_count)
+        const uint32_t accessor = norma_gltf_number(g, value, g->accessor_count);
+        if (accessor == GLTF_NONE)
             return norma_gltf_malformed(g, error, value, "the number of an existing accessor");
-        *attribute = (gltf_attribute){.name = norma_json_string(j, value - 1),
-            .token = value,
-            .accessor = (uint32_t)accessor};
+        *attribute = (gltf_attribute){
+            .name = norma_json_string(j, value - 1), .token = value, .accessor = accessor};
         ++g->attribute_count;
         if (!attribute->name) return norma_document_fail_memory(g->document, error);
         if (norma_gltf_find(g, set, attribute->name) !=

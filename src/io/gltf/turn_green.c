@@ -110,11 +110,8 @@ static uint32_t reference_index(const turner *t, uint32_t material, uint32_t *te
     const uint32_t token = norma_json_member(j,
         norma_gltf_normal_use(t->g, norma_json_element(j, references_of(t, "materials"), material)),
         "index");
-    uint64_t number;
-    if (token == JSON_NONE || !norma_json_uint(j, token, &number) || number >= t->texture_count)
-        return JSON_NONE;
-    *texture = (uint32_t)number;
-    return token;
+    *texture = norma_gltf_number(t->g, token, t->texture_count);
+    return *texture == GLTF_NONE ? JSON_NONE : token;
 }
 
 static norma_document_result find_textures(turner *t) {

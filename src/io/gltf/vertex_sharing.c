@@ -43,18 +43,21 @@ static int is_same_set(const gltf_job *job, const gltf_set *set, const gltf_prim
     return same;
 }
 
-static norma_document_result find_broken_normals(gltf_job *job, gltf_set *set, uint32_t normal) {
-    gltf_array array;
-    norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
+/* Which normals are replaced: broken ones, or only those that are missing behind the others. */
+static norma_document_result mark_replaced(gltf_job *job, gltf_set *set, uint32_t normal) {
+    gltf_array array = {.count = job->g->accessors[normal].count};
+    const int broken = job->options->only == NORMA_ONLY_BROKEN;
+    norma_document_result result =
+        broken ? norma_gltf_array(job->g, normal, &array, job->error) : NORMA_DOCUMENT_OK;
     if (result) return result;
     set->broken = norma_io_allocate(set->vertices, 1);
     if (!set->broken) return norma_gltf_job_memory(job);
     set->wanted = 0;
-    for (size_t i = 0; i < set->vertices; ++i) {
-        float n[16];
-        norma_gltf_floats(&array, i, n);
+    for (size_t i = broken ? 0 : array.count; i < set->vertices; ++i) {
+        float n[16] = {0};
+        if (broken) norma_gltf_floats(&array, i, n);
         const double vector[3] = {(double)n[0], (double)n[1], (double)n[2]};
-        set->broken[i] = array.width != 3 ||
+        set->broken[i] = !broken || array.width != 3 ||
                          norma_normal_is_broken(vector, array.component == GLTF_BYTE ? 8 : 32);
         set->wanted |= set->broken[i];
     }
@@ -75,13 +78,6 @@ static int lacks_deltas(const gltf_job *job, const gltf_primitive *p) {
     return 0;
 }
 
-static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal) {
-    set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return norma_gltf_job_memory(job);
-    for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i) set->broken[i] = 1;
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive) {
     const gltf_primitive *p = &job->g->primitives[primitive];
     *set = (gltf_set){.lead = primitive,
@@ -92,9 +88,7 @@ static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t pr
         .has_morphs = has_morphs(job, p)};
     if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
-    norma_document_result result = job->options->only == NORMA_ONLY_BROKEN
-                                       ? find_broken_normals(job, set, p->base.normal)
-                                       : find_missing(job, set, p->base.normal);
+    const norma_document_result result = mark_replaced(job, set, p->base.normal);
     if (job->options->only == NORMA_ONLY_MISSING) set->wanted = lacks_deltas(job, p);
     set->wanted |= counts_differ(job, p);
     return result;
