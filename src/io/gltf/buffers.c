@@ -2,7 +2,7 @@
  * bytes nothing names. */
 #define _XOPEN_SOURCE   700
 #define _POSIX_C_SOURCE 200809L
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -177,7 +177,7 @@ typedef struct gltf_patch
     gltf_patch; /* gltf_layout.h: what is to become of accessors, views and buffers */
 
 enum { TILE_DEPTH = 8 };
-/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (tile_search.c). */
+/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (nodes.c). */
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
@@ -245,7 +245,7 @@ static inline gltf *norma_gltf_of(const norma_document *document) { return docum
 
 /* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */
 
-/* tile_search.c: fills g->tile; where the file is a tile of 3D Tiles 1.0, the GLB in it. */
+/* nodes.c: fills g->tile; where the file is a tile of 3D Tiles 1.0, the GLB in it. */
 norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error);
 /* How many a tile has; tiles: written, the first of them, as many as there is room for. left_out:
  * written, those without one. */
@@ -418,10 +418,10 @@ typedef struct gltf_slot {
                               g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
-/* gltf_change.c, before anything is put: forgets a change that changed nothing. */
+/* patch.c, before anything is put: forgets a change that changed nothing. */
 void norma_gltf_begin_change(gltf *g);
 int norma_gltf_drop_change(
-    norma_document *document); /* gltf_change.c: as if it had not been begun; 0: no memory */
+    norma_document *document); /* as if it had not been begun; 0: no memory */
 /* Whether it is no longer what the file is: by a change that waits, or by those before. */
 static inline int norma_gltf_differs(const gltf *g) {
     return g->changed || g->document->given_count > 0;
@@ -462,7 +462,7 @@ uint32_t *norma_gltf_accessor_uses(const gltf *g);
 /* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
  * memory. */
 int norma_gltf_strip(gltf *g, uint32_t primitive);
-/* gltf_change.c: turns all that was put into edits and views. To be called once, at the end of
+/* patch.c: turns all that was put into edits and views. To be called once, at the end of
  * compute or transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
 
@@ -628,8 +628,6 @@ int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
 /* members.c: it asks for a version later than the one that is read here. */
 int norma_gltf_needs_later(const gltf *g);
 
-/* unread_parts.c: lists which parts of the document were not read, and why. */
-norma_document_result norma_gltf_read_unread(norma_document *document, norma_document_error *error);
 /* gltf_scene.c: the fields of a node's info that are not about what it draws */
 norma_document_result norma_gltf_describe_node(
     const norma_document *document, size_t index, norma_node_info *info);
@@ -673,44 +671,6 @@ bake_encoded norma_gltf_encode(
 /* Unit vectors as normalised bytes or shorts. 0: it failed. */
 int norma_gltf_encode_units(
     int component, norma_vec3_view units, unsigned char *out, size_t stride);
-
-/* ---- What of a buffer's file belongs to the asset that names it (buffers.c). */
-
-typedef struct range {
-    size_t start, end;
-} range;
-
-typedef struct ranges {
-    range *list;
-    size_t count, capacity;
-} ranges;
-
-int norma_range_add(ranges *r, size_t start, size_t end); /* 0: out of memory */
-
-/* Adds, in order, the bytes of a buffer's file that no asset of its folder names, neither this one
- * as it stands on the disk nor another, below what they call its end; nothing where that cannot be
- * known. Returns 0 or errno. */
-int norma_gltf_find_unnamed(const gltf *g, uint32_t buffer, ranges *left);
-
-/* Refuses a buffer's file that does not look like data of an asset: a Makefile, a picture. */
-norma_document_result norma_gltf_check_own_data(
-    const gltf *g, uint32_t buffer, const file_bytes *file, norma_document_error *error);
-
-/* The first component of a path below a folder that begins with a dot, "." itself aside. */
-int norma_gltf_is_hidden(const char *name);
-int norma_gltf_equals_any_case(const char *a, const char *b);
-int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count);
-
-/* ---- The JSON of a file that may be an asset, looked into without opening it as a
- * document (buffers.c). */
-
-typedef enum gltf_other {
-    GLTF_OTHER_NONE = 0, /* no glTF */
-    GLTF_OTHER_READ,     /* *j is the caller's to free, and the file must stay open meanwhile */
-    GLTF_OTHER_UNKNOWN,  /* begins like one, and cannot be read */
-    GLTF_OTHER_MEMORY    /* out of memory */
-} gltf_other;
-gltf_other norma_gltf_read_other(const file_bytes *file, json *j);
 
 /* ---- What computing normals of glTF shares between its files.
  *

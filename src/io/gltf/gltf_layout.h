@@ -5,7 +5,7 @@
 #include "io/gltf/gltf.h"
 
 /* ---- What is to become of accessors, views and buffers: the patch. In three steps:
- * norma_gltf_finish (gltf_change.c) makes of what was put accessors (patch.c) and views
+ * norma_gltf_finish makes of what was put accessors (patch.c) and views
  * (assign_views.c); norma_gltf_lay_out (gltf_write.c) gives what is to stand at a path its bytes in
  * the buffers, by byte_layout.c, and the JSON that says so: the layout; norma_gltf_write writes
  * that. */
@@ -120,17 +120,15 @@ uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 /* Pins of views that hold streams, once it is known which of these are kept. */
 void norma_gltf_unpin_streams(gltf *g);
 
-/* repack_views.c: an old view of which runs shrink, without the gaps that they would leave. first:
+/* byte_layout.c: an old view of which runs shrink, without the gaps that they would leave. first:
  * of these runs, next: of each. *done 0: it is left to others. */
 norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t first,
     const uint32_t *next, int *done, norma_document_error *error);
-/* repack_views.c: says in the JSON, or of the new accessor, that the run lies there. */
+/* byte_layout.c: says in the JSON, or of the new accessor, that the run lies there. */
 void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 
-/* The steps of norma_gltf_finish: patch.c, assign_views.c, and patch.c for what was unlisted. */
-norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
+/* The second step of norma_gltf_finish (assign_views.c). */
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
-void norma_gltf_edit_extensions(gltf *g);
 
 typedef enum gltf_destination {
     GLTF_TO_PATH,
@@ -171,6 +169,44 @@ typedef enum gltf_list {
 } gltf_list;
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
+
+/* ---- What of a buffer's file belongs to the asset that names it (buffers.c). */
+
+typedef struct range {
+    size_t start, end;
+} range;
+
+typedef struct ranges {
+    range *list;
+    size_t count, capacity;
+} ranges;
+
+int norma_range_add(ranges *r, size_t start, size_t end); /* 0: out of memory */
+
+/* Adds, in order, the bytes of a buffer's file that no asset of its folder names, neither this one
+ * as it stands on the disk nor another, below what they call its end; nothing where that cannot be
+ * known. Returns 0 or errno. */
+int norma_gltf_find_unnamed(const gltf *g, uint32_t buffer, ranges *left);
+
+/* Refuses a buffer's file that does not look like data of an asset: a Makefile, a picture. */
+norma_document_result norma_gltf_check_own_data(
+    const gltf *g, uint32_t buffer, const file_bytes *file, norma_document_error *error);
+
+/* The first component of a path below a folder that begins with a dot, "." itself aside. */
+int norma_gltf_is_hidden(const char *name);
+int norma_gltf_equals_any_case(const char *a, const char *b);
+int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count);
+
+/* ---- The JSON of a file that may be an asset, looked into without opening it as a
+ * document (buffers.c). */
+
+typedef enum gltf_other {
+    GLTF_OTHER_NONE = 0, /* no glTF */
+    GLTF_OTHER_READ,     /* *j is the caller's to free, and the file must stay open meanwhile */
+    GLTF_OTHER_UNKNOWN,  /* begins like one, and cannot be read */
+    GLTF_OTHER_MEMORY    /* out of memory */
+} gltf_other;
+gltf_other norma_gltf_read_other(const file_bytes *file, json *j);
 
 /* ---- The node hierarchy as it is to become (new_tree.c): nodes get new parents, new nodes come
  * behind the old ones, and at the end the JSON of what changed is edited. Numbers of nodes never
