@@ -70,61 +70,40 @@ static uint32_t attribute_list(const gltf *g, const gltf_primitive *p) {
 /* Which attribute of the stream an accessor gets; indices are none of them. */
 enum { INDICES = INT32_MAX };
 
-typedef struct claim {
-    uint32_t accessor, id;
-} claim;
-
-/* The next attribute behind *at that the stream holds; 0: no more, or, with at->accessor GLTF_NONE,
- * a number that is none. */
-static int next_claim(const gltf *g, const gltf_primitive *p, uint32_t *at, claim *next) {
-    const uint32_t list = attribute_list(g, p);
-    for (; *at < p->base.count; ++*at) {
-        const gltf_attribute *attribute = &g->attributes[p->base.first + *at];
-        const uint32_t token = norma_json_member(&g->json, list, attribute->name);
-        uint64_t id;
-        if (token == JSON_NONE) continue;
-        const int ok = norma_json_uint(&g->json, token, &id) && id < INDICES;
-        *next = (claim){ok ? attribute->accessor : GLTF_NONE, ok ? (uint32_t)id : 0};
-        ++*at;
-        return ok;
+/* Why an accessor cannot be had for this attribute of the primitive's stream: two primitives may
+ * share a stream and what is in it. gives: it can, and is given. */
+static const char *claim_accessor(
+    gltf *g, uint32_t primitive, uint32_t accessor, uint32_t id, int gives) {
+    gltf_accessor *a = &g->accessors[accessor];
+    if (gives && a->draco == GLTF_NONE) {
+        a->draco = primitive;
+        a->draco_id = id;
     }
-    *next = (claim){0, 0};
-    return 0;
-}
-
-/* Two primitives may share a stream and what is in it. */
-static const char *why_not_claimed(const gltf *g, const gltf_primitive *p, claim wanted) {
-    const gltf_accessor *a = &g->accessors[wanted.accessor];
+    if (gives) return NULL;
     if (a->sparse.count) return "compressed with KHR_draco_mesh_compression and also sparse";
     if (a->draco != GLTF_NONE &&
-        (g->primitives[a->draco].draco.view != p->draco.view || a->draco_id != wanted.id))
+        (g->primitives[a->draco].draco.view != g->primitives[primitive].draco.view ||
+            a->draco_id != id))
         return "compressed with KHR_draco_mesh_compression, but its accessors already belong to "
                "another stream";
     return NULL;
 }
 
-static void give(gltf *g, uint32_t primitive, claim wanted) {
-    gltf_accessor *a = &g->accessors[wanted.accessor];
-    if (a->draco != GLTF_NONE) return;
-    a->draco = primitive;
-    a->draco_id = wanted.id;
-}
-
 /* First whether all of them can be had, then they are. */
 static norma_document_result claim_accessors(
-    gltf *g, uint32_t number, const char **why, norma_document_error *error) {
+    gltf *g, uint32_t number, int gives, const char **why, norma_document_error *error) {
     const gltf_primitive *p = &g->primitives[number];
-    const claim indices = {p->indices, INDICES};
-    claim wanted = {0, 0};
-    uint32_t at = 0;
-    *why = why_not_claimed(g, p, indices);
-    while (!*why && next_claim(g, p, &at, &wanted)) *why = why_not_claimed(g, p, wanted);
-    if (*why) return NORMA_DOCUMENT_OK;
-    if (wanted.accessor == GLTF_NONE)
-        return norma_gltf_malformed(
-            g, error, attribute_list(g, p), "the numbers of attributes in the Draco stream");
-    give(g, number, indices);
-    for (at = 0; next_claim(g, p, &at, &wanted);) give(g, number, wanted);
+    const uint32_t list = attribute_list(g, p);
+    *why = claim_accessor(g, number, p->indices, INDICES, gives);
+    for (uint32_t i = p->base.first; !*why && i < p->base.first + p->base.count; ++i) {
+        const uint32_t token = norma_json_member(&g->json, list, g->attributes[i].name),
+                       id = norma_gltf_number(g, token, INDICES);
+        if (token == JSON_NONE) continue;
+        if (id == GLTF_NONE)
+            return norma_gltf_malformed(
+                g, error, list, "the numbers of attributes in the Draco stream");
+        *why = claim_accessor(g, number, g->attributes[i].accessor, id, gives);
+    }
     return NORMA_DOCUMENT_OK;
 }
 
@@ -160,7 +139,8 @@ norma_document_result norma_gltf_read_draco(
         return NORMA_DOCUMENT_OK;
     }
     p->draco.view = view;
-    norma_document_result result = claim_accessors(g, number, why, error);
+    norma_document_result result = claim_accessors(g, number, 0, why, error);
+    if (!result && !*why) result = claim_accessors(g, number, 1, why, error);
     if (*why) p->draco.view = GLTF_NONE;
     return result;
 }
@@ -309,12 +289,8 @@ static void take_elements(gltf *g, unpacking *u) {
         free(a->owned);
         a->owned = u->values[i].out;
         u->values[i].out = NULL;
-        a->array = (gltf_array){.data = a->owned,
-            .count = a->count,
-            .stride = a->element_size,
-            .component = a->component,
-            .width = a->width,
-            .normalized = a->normalized};
+        a->array.data = a->owned;
+        a->array.stride = a->element_size;
         a->resolved = 1;
     }
 }
@@ -488,6 +464,10 @@ static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_docu
                 ? "componentType 5131 only with KHR_accessor_float16, and not normalized"
                 : "componentType 5130 only with KHR_accessor_float64, and not normalized");
     if (size > g->alignment) g->alignment = size;
+    a->array = (gltf_array){.count = a->count,
+        .component = a->component,
+        .width = a->width,
+        .normalized = a->normalized};
     return sparse == JSON_NONE ? NORMA_DOCUMENT_OK : read_sparse(g, a, sparse, error);
 }
 
@@ -578,10 +558,6 @@ norma_document_result norma_gltf_array(
     } else if (!a->resolved) {
         free(a->owned);
         a->owned = NULL;
-        a->array = (gltf_array){.count = a->count,
-            .component = a->component,
-            .width = a->width,
-            .normalized = a->normalized};
         if (a->view != GLTF_NONE)
             result = locate_elements(g,
                 &(gltf_elements){a->token, a->view, a->offset, a->count, a->element_size},

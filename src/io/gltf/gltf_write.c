@@ -56,22 +56,28 @@ static int is_free(const given_image *image, const char *path) {
     return same;
 }
 
-static char *gltf_name_after(const char *path, const char *ending) {
+/* "scene", of a path "folder/scene.glb", with an ending; further attempts: "-1", ... */
+static char *gltf_name_after(
+    const char *path, const char *ending, unsigned attempt, const char *suffix) {
+    char all[80];
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
                *dot = strrchr(name, '.');
     const size_t length = dot && dot != name ? (size_t)(dot - name) : strlen(name);
-    char *stem = norma_io_copy_text(name, length), *out = stem ? norma_io_join(stem, ending) : NULL;
+    if (attempt)
+        snprintf(all, sizeof all, "%s-%u%s", ending, attempt, suffix);
+    else
+        snprintf(all, sizeof all, "%s%s", ending, suffix);
+    char *stem = norma_io_copy_text(name, length), *out = stem ? norma_io_join(stem, all) : NULL;
     free(stem);
     return out;
 }
 
 /* 1: chosen, 0: not, -1: out of memory. */
 static int try_name(gltf *g, given_image *image, const char *path, unsigned attempt) {
-    char ending[60];
-    int at = snprintf(ending, sizeof ending, "_normal_%zu", image->number);
-    if (attempt) at += snprintf(ending + at, 16, "-%u", attempt);
-    memcpy(ending + at, ".png", 5);
-    char *name = gltf_name_after(path, ending), *folder = norma_gltf_folder_of(path),
+    char ending[40];
+    snprintf(ending, sizeof ending, "_normal_%zu", image->number);
+    char *name = gltf_name_after(path, ending, attempt, ".png"),
+         *folder = norma_gltf_folder_of(path),
          *file = name && folder ? norma_io_join(folder, name) : NULL;
     const int named = file ? is_named(g, image, name) : -1, chosen = named < 0 ? -1
                                                                      : !named ? is_free(image, file)
@@ -145,12 +151,9 @@ gltf_destination norma_gltf_destination(const gltf *g, const char *path) {
 
 /* "scene.bin" for scene.gltf; several: "scene_0.bin", ...; further tries: "scene-1.bin", ... */
 static char *name_after(const char *path, uint32_t number, int several, unsigned attempt) {
-    char ending[40];
-    int at = 0;
-    if (several) at += snprintf(ending, 16, "_%u", (unsigned)number);
-    if (attempt) at += snprintf(ending + at, 16, "-%u", attempt);
-    memcpy(ending + at, ".bin", 5);
-    return gltf_name_after(path, ending);
+    char ending[16] = "";
+    if (several) snprintf(ending, sizeof ending, "_%u", (unsigned)number);
+    return gltf_name_after(path, ending, attempt, ".bin");
 }
 
 typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } found;
@@ -483,22 +486,13 @@ norma_document_result norma_gltf_write(norma_document *document, const char *pat
 /* ---- The buffers of a changed .gltf, in memory, for the document that is read from its new
  * JSON before either is on the disk. */
 
-static int copy_changed(const patch_buffer *buffer, given_buffer *given) {
-    given->bytes = norma_io_allocate(buffer->length, 1);
-    for (size_t i = 0; given->bytes && i < buffer->segment_count; ++i)
-        if (buffer->segments[i].bytes)
-            memcpy(given->bytes + buffer->segments[i].offset, buffer->segments[i].bytes,
-                buffer->segments[i].length);
-    given->size = buffer->length;
-    given->changed = 1;
-    return given->bytes != NULL;
-}
-
-static int copy_unchanged_buffer(const gltf_buffer *buffer, given_buffer *given) {
-    given->bytes = norma_io_allocate(buffer->available, 1);
-    if (given->bytes) memcpy(given->bytes, buffer->bytes, buffer->available);
-    given->size = buffer->available;
-    return given->bytes != NULL;
+static int copy_buffer(const patch_segment *segments, size_t count, size_t size, given_buffer *to) {
+    to->bytes = norma_io_allocate(size, 1);
+    for (size_t i = 0; to->bytes && i < count; ++i)
+        if (segments[i].bytes)
+            memcpy(to->bytes + segments[i].offset, segments[i].bytes, segments[i].length);
+    to->size = size;
+    return to->bytes != NULL;
 }
 
 static norma_document_result give_buffers(
@@ -509,13 +503,16 @@ static norma_document_result give_buffers(
     made->given_count = (size_t)g->buffer_count + 1;
     for (uint32_t b = 0; b < g->buffer_count; ++b) {
         given_buffer *given = &made->given[b];
+        const patch_buffer *changed = &g->patch->buffers[b];
+        const patch_segment whole = {0, g->buffers[b].available, g->buffers[b].bytes};
         int fine = 1;
         if (g->buffers[b].storage != GLTF_STORED_FILE) continue;
-        given->changed = b < document->given_count && document->given[b].changed;
-        if (g->patch->buffers[b].changed)
-            fine = copy_changed(&g->patch->buffers[b], given);
-        else if (g->buffers[b].bytes)
-            fine = copy_unchanged_buffer(&g->buffers[b], given);
+        given->changed =
+            changed->changed || (b < document->given_count && document->given[b].changed);
+        if (changed->changed)
+            fine = copy_buffer(changed->segments, changed->segment_count, changed->length, given);
+        else if (whole.bytes)
+            fine = copy_buffer(&whole, 1, whole.length, given);
         given->stamp = g->buffers[b].file.stamp;
         if (!fine) return norma_document_fail_memory(document, error);
     }

@@ -47,23 +47,26 @@ static void unfold(int n[3], float most) {
     n[2] = nearest(z * scale);
 }
 
+/* Signed numbers of one byte or two, one behind the other. */
+static int signed_at(const unsigned char *bytes, size_t i, int has_two) {
+    int16_t two;
+    if (!has_two) return (int8_t)bytes[i];
+    memcpy(&two, bytes + 2 * i, sizeof two);
+    return two;
+}
+
 static void decode_octahedral(const gltf_meshopt *m, unsigned char *out) {
+    const int has_two = m->stride == 8;
     for (size_t i = 0; i < m->count; ++i, out += m->stride) {
-        int8_t bytes[3];
-        int16_t shorts[3];
         int n[3];
-        if (m->stride == 4) {
-            memcpy(bytes, out, sizeof bytes);
-            for (int k = 0; k < 3; ++k) n[k] = bytes[k];
-            unfold(n, 127);
-            for (int k = 0; k < 3; ++k) bytes[k] = (int8_t)n[k];
-            memcpy(out, bytes, sizeof bytes);
-        } else {
-            memcpy(shorts, out, sizeof shorts);
-            for (int k = 0; k < 3; ++k) n[k] = shorts[k];
-            unfold(n, 32767);
-            for (int k = 0; k < 3; ++k) shorts[k] = (int16_t)n[k];
-            memcpy(out, shorts, sizeof shorts);
+        for (size_t k = 0; k < 3; ++k) n[k] = signed_at(out, k, has_two);
+        unfold(n, has_two ? 32767 : 127);
+        for (size_t k = 0; k < 3; ++k) {
+            const int16_t two = (int16_t)n[k];
+            if (has_two)
+                memcpy(out + 2 * k, &two, sizeof two);
+            else
+                out[k] = (unsigned char)n[k];
         }
     }
 }
@@ -100,32 +103,18 @@ static void decode_exponents(const gltf_meshopt *m, unsigned char *out) {
 }
 
 static int decode_view(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
-    int failed;
-    switch (m->mode) {
-    case GLTF_MODE_ATTRIBUTES:
-        failed = meshopt_decodeVertexBuffer(out, m->count, m->stride, bytes, m->length);
-        break;
-    case GLTF_MODE_TRIANGLES:
-        failed = meshopt_decodeIndexBuffer(out, m->count, m->stride, bytes, m->length);
-        break;
-    default:
-        failed = meshopt_decodeIndexSequence(out, m->count, m->stride, bytes, m->length);
-        break;
-    }
-    if (failed) return 0;
-    switch (m->filter) {
-    case GLTF_FILTER_OCTAHEDRAL:
+    if (m->mode == GLTF_MODE_ATTRIBUTES
+            ? meshopt_decodeVertexBuffer(out, m->count, m->stride, bytes, m->length)
+        : m->mode == GLTF_MODE_TRIANGLES
+            ? meshopt_decodeIndexBuffer(out, m->count, m->stride, bytes, m->length)
+            : meshopt_decodeIndexSequence(out, m->count, m->stride, bytes, m->length))
+        return 0;
+    if (m->filter == GLTF_FILTER_OCTAHEDRAL)
         decode_octahedral(m, out);
-        break;
-    case GLTF_FILTER_QUATERNION:
+    else if (m->filter == GLTF_FILTER_QUATERNION)
         decode_quaternions(m, out);
-        break;
-    case GLTF_FILTER_EXPONENTIAL:
+    else if (m->filter == GLTF_FILTER_EXPONENTIAL)
         decode_exponents(m, out);
-        break;
-    case GLTF_FILTER_NONE:
-        break;
-    }
     return 1;
 }
 
@@ -188,16 +177,9 @@ static size_t encode_index_view(
 
 /* Signed integers of 8 or 16 bits as the floats that the filter's encoder takes. */
 static void widen_signed(const gltf_meshopt *m, const unsigned char *bytes, float *out) {
-    const size_t numbers = 4 * m->count;
-    for (size_t i = 0; i < numbers; ++i) {
-        int16_t two;
-        if (m->stride == 4) {
-            out[i] = (float)(int8_t)bytes[i] / 127;
-        } else {
-            memcpy(&two, bytes + 2 * i, 2);
-            out[i] = (float)two / 32767;
-        }
-    }
+    const int has_two = m->stride == 8;
+    for (size_t i = 0; i < 4 * m->count; ++i)
+        out[i] = (float)signed_at(bytes, i, has_two) / (has_two ? 32767 : 127);
 }
 
 /* The other way round, with the lowest power that leaves a number within its 24 bits. */

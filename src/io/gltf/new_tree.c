@@ -321,7 +321,7 @@ static void put_node_member(const node_members *to, const char *key, json_text *
     free(value->data);
 }
 
-static void put_local(const node_members *to, const tree_node *node) {
+static void put_node_local(const node_members *to, const tree_node *node) {
     json_text matrix = {0}, translation = {0}, rotation = {0}, scale = {0};
     gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
     if (!node->local_changed) return;
@@ -357,7 +357,7 @@ static void edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number)
     const uint32_t object = g->nodes[number].token;
     const node_members members = {edits, object, NULL};
     if (node->children_changed) put_children(&members, tree, node);
-    put_local(&members, node);
+    put_node_local(&members, node);
     if (node->mesh_changed && node->mesh == GLTF_NONE)
         norma_json_unset(edits, object, "mesh");
     else if (node->mesh_changed)
@@ -376,7 +376,7 @@ static void add_node_text(const gltf_tree *tree, const tree_node *node, json_tex
     if (node->mesh != GLTF_NONE && node->takes_weights)
         norma_gltf_copy_member(tree->g, text, like, "weights");
     put_children(&members, tree, node);
-    put_local(&members, node);
+    put_node_local(&members, node);
     norma_json_add_text(text, "}");
 }
 

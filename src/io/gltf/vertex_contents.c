@@ -199,11 +199,6 @@ static int is_new(const gltf_set *set, size_t vertex) {
     return vertex >= set->vertices || !set->broken || set->broken[vertex];
 }
 
-static norma_document_result put_contents(
-    const contents *c, int32_t target, const char *attribute, gltf_data *data) {
-    return norma_gltf_put_in_set(c->job, c->set, target, attribute, data);
-}
-
 /* ---- vectors of three in the accessor's own encoding */
 
 /* How new vectors are stored: as the accessor has them, where those are of a component type that
@@ -300,7 +295,7 @@ static norma_document_result put_normals(const contents *c) {
         return result;
     }
     if (c->stored) decode_stored(c, &data);
-    return put_contents(c, GLTF_SLOT_BASE, "NORMAL", &data);
+    return norma_gltf_put_in_set(c->job, c->set, GLTF_SLOT_BASE, "NORMAL", &data);
 }
 
 /* ---- tangents */
@@ -374,7 +369,7 @@ static norma_document_result put_attribute(
         norma_gltf_copy_elements(c->job, c->set, attribute->accessor, &data);
     if (!result && tangent && (result = turn_tangents(c, attribute->accessor, &data)))
         free(data.bytes);
-    return result ? result : put_contents(c, target, attribute->name, &data);
+    return result ? result : norma_gltf_put_in_set(c->job, c->set, target, attribute->name, &data);
 }
 
 /* ---- morph targets */
@@ -418,7 +413,7 @@ norma_document_result norma_gltf_put_deltas(
         free(data.bytes);
         return result;
     }
-    return put_contents(&c, (int32_t)target, attribute, &data);
+    return norma_gltf_put_in_set(job, set, (int32_t)target, attribute, &data);
 }
 
 /* ---- a set */
