@@ -423,16 +423,12 @@ static norma_document_result read_sparse(
 
 /* Half and double floats come with an extension that the file names, or with glTF 2.1. */
 static int has_more_floats(const gltf *g, int component) {
-    static const char *const lists[] = {"extensionsRequired", "extensionsUsed"};
     const json *j = &g->json;
     const char *name = component == GLTF_HALF ? "KHR_accessor_float16" : "KHR_accessor_float64";
-    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
-        const uint32_t list = norma_json_member(j, 0, lists[i]);
-        for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);)
-            if (norma_json_equals(j, item, name)) return 1;
-    }
-    return !norma_json_equals(
-        j, norma_json_member(j, norma_json_member(j, 0, "asset"), "version"), "2.0");
+    return norma_gltf_lists(g, "extensionsRequired", name) ||
+           norma_gltf_lists(g, "extensionsUsed", name) ||
+           !norma_json_equals(
+               j, norma_json_member(j, norma_json_member(j, 0, "asset"), "version"), "2.0");
 }
 
 static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_document_error *error) {

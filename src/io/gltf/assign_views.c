@@ -641,8 +641,7 @@ static int find_growing(placer *p) {
         const gltf_meshopt *m = &g->views[v].meshopt;
         p->overrun[g->views[v].buffer] |= (uint8_t)norma_gltf_view_overruns(g, v);
         if (m->token == GLTF_NONE) continue;
-        const size_t length = g->buffers[m->buffer].length;
-        p->overrun[m->buffer] |= m->offset > length || m->length > length - m->offset;
+        p->overrun[m->buffer] |= !norma_gltf_lies_in(g, m->buffer, m->offset, m->length);
     }
     return p->overrun != NULL;
 }

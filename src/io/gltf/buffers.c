@@ -318,8 +318,7 @@ static norma_document_result read_view_object(
 
 int norma_gltf_view_overruns(const gltf *g, uint32_t view) {
     const gltf_view *v = &g->views[view];
-    const size_t length = g->buffers[v->buffer].length;
-    return v->offset > length || v->length > length - v->offset;
+    return !norma_gltf_lies_in(g, v->buffer, v->offset, v->length);
 }
 
 /* What is used of them is refused where it is used; of the others a person should know. */

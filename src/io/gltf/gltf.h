@@ -268,6 +268,10 @@ norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_err
 int norma_gltf_read_frame(const gltf *g, double center[3]);
 /* buffers.c: its bytes, once */
 norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
+static inline int norma_gltf_lies_in(const gltf *g, uint32_t buffer, size_t offset, size_t length) {
+    const size_t room = g->buffers[buffer].length;
+    return offset <= room && length <= room - offset;
+}
 int norma_gltf_view_overruns(
     const gltf *g, uint32_t view); /* buffers.c: its end lies beyond its buffer's */
 /* accessors.c, as all that follows without the name of a file */
@@ -376,6 +380,8 @@ int norma_gltf_index_member(
 void norma_gltf_copy_member(const gltf *g, json_text *text, uint32_t object, const char *key);
 /* Whether an object has another extension than those, of which NULL is the last. */
 int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const *known);
+/* Whether one of the root's lists has the name. */
+int norma_gltf_lists(const gltf *g, const char *list, const char *name);
 /* And the list of extensions with the last of them. */
 void norma_gltf_remove_extension(
     const gltf *g, json_edits *edits, uint32_t object, const char *name);
@@ -547,7 +553,7 @@ typedef struct gltf_scene {
     struct gltf_animation *animations; /* NULL: not yet */
     uint32_t animation_count;
     const norma_document_error *animation_error; /* NULL: none */
-    uint32_t *skins;                             /* the token of each */
+    uint32_t *skins, *materials;                 /* the token of each */
     size_t effort;                               /* steps that skins and animations took */
     size_t measured;                             /* the same, of the errors of normals */
     struct gltf_joints *joints;                  /* of each skin, at rest; NULL: not yet */
@@ -557,6 +563,7 @@ typedef struct gltf_scene {
 } gltf_scene;
 /* Made on first use; NULL: out of memory. */
 gltf_scene *norma_gltf_scene_of(gltf *g);
+uint32_t norma_gltf_material(gltf *g, size_t material); /* its token; JSON_NONE: none */
 
 /* Rules that the extras of an object silence, "N201,N3"; "" for none, NULL: out of memory. Of a
  * list beyond all measure the rest is not taken. */
@@ -731,6 +738,17 @@ typedef struct gltf_job {
 
 static inline norma_document_result norma_gltf_job_memory(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
+}
+
+/* Whether a target is to get normals. */
+static inline int norma_gltf_morphs_normals(const gltf_job *job, const gltf_attributes *target) {
+    return target->normal != GLTF_NONE || (job->options->morphs && target->position != GLTF_NONE);
+}
+
+/* The set of a primitive; NULL: it is not read, or its set is not wanted. */
+static inline gltf_set *norma_gltf_wanted_set(const gltf_job *job, uint32_t primitive) {
+    const uint32_t set = job->set_of[primitive];
+    return set == GLTF_NONE || !job->sets[set].wanted ? NULL : &job->sets[set];
 }
 
 /* The point of each corner: smooth, each position is one. */

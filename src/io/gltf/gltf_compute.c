@@ -390,14 +390,11 @@ static norma_document_result begin_morph(morph *m) {
 
 static int wants(const gltf_job *job, uint32_t primitive, uint32_t target) {
     const gltf_primitive *p = &job->g->primitives[primitive];
-    uint32_t set = job->set_of[primitive];
-    if (set == GLTF_NONE || !job->sets[set].wanted || target >= p->target_count) return 0;
+    if (!norma_gltf_wanted_set(job, primitive) || target >= p->target_count) return 0;
     const gltf_attributes *attributes = &job->g->targets[p->first_target + target];
-    if (job->options->only == NORMA_ONLY_MISSING && p->base.normal != GLTF_NONE &&
-        attributes->normal != GLTF_NONE)
-        return 0;
-    return attributes->normal != GLTF_NONE ||
-           (job->options->morphs && attributes->position != GLTF_NONE);
+    return norma_gltf_morphs_normals(job, attributes) &&
+           (job->options->only != NORMA_ONLY_MISSING || p->base.normal == GLTF_NONE ||
+               attributes->normal == GLTF_NONE);
 }
 
 static norma_document_result add_displacements(morph *m, uint32_t target, float *positions) {
@@ -514,7 +511,7 @@ static norma_document_result gltf_morph(gltf_job *job, const gltf_surface *surfa
 static int is_mesh_wanted(const gltf_job *job, uint32_t mesh) {
     const gltf_mesh *m = &job->g->meshes[mesh];
     for (uint32_t i = m->first_primitive; i < m->first_primitive + m->primitive_count; ++i)
-        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted) return 1;
+        if (norma_gltf_wanted_set(job, i)) return 1;
     return 0;
 }
 
@@ -564,8 +561,7 @@ static norma_document_result put_all(gltf_job *job) {
         if (!result) result = norma_gltf_put_set(job, s);
     }
     for (uint32_t i = 0; !result && i < job->g->primitive_count; ++i)
-        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
-            result = norma_gltf_put_indices(job, i);
+        if (norma_gltf_wanted_set(job, i)) result = norma_gltf_put_indices(job, i);
     if (!result) result = norma_gltf_account_tangents(job);
     return result ? result : look_for_cancel(job);
 }
@@ -574,10 +570,10 @@ static void count_computed_vertices(const gltf_job *job) {
     norma_compute_summary *summary = job->policy.summary;
     for (uint32_t i = 0; i < job->g->primitive_count; ++i) {
         const gltf_primitive *p = &job->g->primitives[i];
-        const gltf_set *set = job->set_of[i] == GLTF_NONE ? NULL : &job->sets[job->set_of[i]];
+        const gltf_set *set = norma_gltf_wanted_set(job, i);
         summary->faces += p->faces;
         summary->vertices_before += p->vertices;
-        summary->vertices_after += p->vertices + (set && set->wanted ? set->added_count : 0);
+        summary->vertices_after += p->vertices + (set ? set->added_count : 0);
     }
 }
 

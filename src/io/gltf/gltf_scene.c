@@ -260,15 +260,10 @@ static int read_maps(gltf *g, uint32_t material, norma_material_maps *maps) {
            read_texture(g, norma_json_member(j, material, "normalTexture"), &maps->normal);
 }
 
-static uint32_t material_token(const gltf *g, size_t material) {
-    return norma_json_element(
-        &g->json, norma_json_member(&g->json, 0, "materials"), (uint32_t)material);
-}
-
 static norma_document_result gltf_material_maps(norma_document *document, size_t material,
     norma_material_maps *maps, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    return norma_gltf_scene_of(g) && read_maps(g, material_token(g, material), maps)
+    return norma_gltf_scene_of(g) && read_maps(g, norma_gltf_material(g, material), maps)
                ? NORMA_DOCUMENT_OK
                : norma_document_fail_memory(document, error);
 }
@@ -276,8 +271,8 @@ static norma_document_result gltf_material_maps(norma_document *document, size_t
 norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
     norma_texture_info *map, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    const uint32_t use = norma_gltf_normal_use(g, material_token(g, material));
-    return norma_gltf_scene_of(g) && read_texture(g, use, map)
+    return norma_gltf_scene_of(g) &&
+                   read_texture(g, norma_gltf_normal_use(g, norma_gltf_material(g, material)), map)
                ? NORMA_DOCUMENT_OK
                : norma_document_fail_memory(document, error);
 }

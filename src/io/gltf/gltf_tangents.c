@@ -12,7 +12,6 @@ typedef struct tangent_job {
     const norma_tangent_options *options;
     norma_tangent_summary *summary;
     norma_options core;
-    uint32_t *materials; /* the token of each material */
 } tangent_job;
 
 /* The tangents of a set's vertices as they will be. */
@@ -35,23 +34,11 @@ typedef struct tangent_corners {
 /* ---- What the tangents of a primitive are made of: normals, and the set of texture
  * coordinates that its normal map uses, through that map's KHR_texture_transform. */
 
-static norma_document_result gltf_find_materials(tangent_job *job) {
-    const gltf *g = job->sets.g;
-    const uint32_t list = norma_json_member(&g->json, 0, "materials");
-    size_t number = 0;
-    job->materials = norma_io_allocate((size_t)g->material_count + 1, sizeof *job->materials);
-    if (!job->materials) return norma_document_fail_memory(g->document, job->sets.error);
-    for (uint32_t item = JSON_NONE;
-         number < g->material_count && norma_json_each(&g->json, list, &item);)
-        job->materials[number++] = item;
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_texture_info placement_of_map(const tangent_job *job, const gltf_primitive *p) {
-    const gltf *g = job->sets.g;
+    gltf *g = job->sets.g;
     norma_texture_info place = {.scale = {1, 1}};
     if (p->material < g->material_count)
-        place = norma_gltf_normal_map(g, job->materials[p->material]);
+        place = norma_gltf_normal_map(g, norma_gltf_material(g, p->material));
     if (job->options->texcoord_given && place.texcoord != job->options->texcoord)
         place = (norma_texture_info){.texcoord = job->options->texcoord, .scale = {1, 1}};
     return place;
@@ -479,17 +466,18 @@ static void count_set_tangents(const gltf_job *job, const gltf_set *set) {
 static norma_document_result mark_renewed(const gltf_job *job) {
     const norma_tangent_options options = {0};
     tangent_job tangents = {.sets = {.g = job->g, .error = job->error}, .options = &options};
-    norma_document_result result = gltf_find_materials(&tangents);
     uint8_t *renew = norma_io_allocate((size_t)job->g->primitive_count + 1, 1);
-    if (!result && !renew) result = norma_document_fail_memory(job->g->document, job->error);
-    for (uint32_t s = 0; !result && s < job->set_count; ++s) {
+    if (!renew || !norma_gltf_scene_of(job->g)) {
+        free(renew);
+        return norma_gltf_job_memory(job);
+    }
+    for (uint32_t s = 0; s < job->set_count; ++s) {
         const gltf_set *set = &job->sets[s];
         if (!set->wanted || !can_renew(&tangents, job, set)) continue;
         for (uint32_t i = set->lead; i != GLTF_NONE; i = job->next_in_set[i]) renew[i] = 1;
     }
-    free(tangents.materials);
     job->g->document->renew = renew;
-    return result;
+    return NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_gltf_account_tangents(gltf_job *job) {
@@ -579,8 +567,9 @@ norma_document_result norma_gltf_tangents(norma_document *document,
             .threads = options->threads}};
     job.sets.options = &job.all;
     norma_gltf_begin_change(g);
-    norma_document_result result = gltf_find_materials(&job);
-    if (!result) result = norma_gltf_find_vertex_sharing(&job.sets);
+    norma_document_result result = norma_gltf_scene_of(g)
+                                       ? norma_gltf_find_vertex_sharing(&job.sets)
+                                       : norma_gltf_job_memory(&job.sets);
     if (!result) result = compute_sets(&job);
     if (!result) {
         count_tangents(&job);
@@ -588,6 +577,5 @@ norma_document_result norma_gltf_tangents(norma_document *document,
         summary->changed = g->changed;
     }
     norma_gltf_vertex_sharing_free(&job.sets);
-    free(job.materials);
     return result;
 }

@@ -27,6 +27,12 @@ const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
     return norma_scene_text(g->document->scene, text);
 }
 
+static void list_tokens(const json *j, const char *name, uint32_t *tokens, uint32_t count) {
+    const uint32_t list = norma_json_member(j, 0, name);
+    for (uint32_t item = JSON_NONE, i = 0; i < count && norma_json_each(j, list, &item);)
+        tokens[i++] = item;
+}
+
 gltf_scene *norma_gltf_scene_of(gltf *g) {
     norma_scene *scene = g->document->scene;
     if (scene->gltf) return scene->gltf;
@@ -38,14 +44,18 @@ gltf_scene *norma_gltf_scene_of(gltf *g) {
     made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
     made->skins = norma_scene_allocate(scene, g->skin_count, sizeof *made->skins);
     made->moved = norma_scene_allocate(scene, g->drawing_count, sizeof *made->moved);
-    if (!made->decoded || !made->colors || !made->mesh_ignore || !made->node_ignore ||
-        !made->skins || !made->moved)
+    made->materials = norma_scene_allocate(scene, g->material_count, sizeof *made->materials);
+    if (!made->decoded || !made->colors || !made->materials || !made->mesh_ignore ||
+        !made->node_ignore || !made->skins || !made->moved)
         return NULL;
-    const uint32_t skins = norma_json_member(&g->json, 0, "skins");
-    uint32_t number = 0;
-    for (uint32_t item = JSON_NONE; g->skin_count && norma_json_each(&g->json, skins, &item);)
-        made->skins[number++] = item;
+    list_tokens(&g->json, "skins", made->skins, g->skin_count);
+    list_tokens(&g->json, "materials", made->materials, g->material_count);
     return scene->gltf = made;
+}
+
+uint32_t norma_gltf_material(gltf *g, size_t material) {
+    const gltf_scene *scene = norma_gltf_scene_of(g);
+    return scene && material < g->material_count ? scene->materials[material] : JSON_NONE;
 }
 
 enum {
@@ -187,6 +197,13 @@ int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const 
         while (known[i] && !norma_json_equals(&g->json, value - 1, known[i])) ++i;
         if (!known[i]) return 1;
     }
+    return 0;
+}
+
+int norma_gltf_lists(const gltf *g, const char *list, const char *name) {
+    const uint32_t names = norma_json_member(&g->json, 0, list);
+    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, names, &item);)
+        if (norma_json_equals(&g->json, item, name)) return 1;
     return 0;
 }
 

@@ -128,8 +128,7 @@ norma_document_result norma_gltf_decode_meshopt(
     if (wrong) return norma_gltf_malformed(g, error, m->token, wrong);
     norma_document_result result = norma_gltf_load_buffer(g, m->buffer, error);
     if (result) return result;
-    size_t length = g->buffers[m->buffer].length;
-    if (m->offset > length || m->length > length - m->offset)
+    if (!norma_gltf_lies_in(g, m->buffer, m->offset, m->length))
         return norma_gltf_malformed(
             g, error, m->token, "compressed bytes that end inside their buffer");
     size_t size = m->count * m->stride;

@@ -246,18 +246,11 @@ static void edit_extensions(gltf *g) {
     unlist(g, "extensionsRequired");
 }
 
-static int is_listed(const json *j, uint32_t list, const char *name) {
-    for (uint32_t value = JSON_NONE; norma_json_each(j, list, &value);)
-        if (norma_json_equals(j, value, name)) return 1;
-    return 0;
-}
-
 void norma_gltf_require(gltf *g, const char *extension) {
     static const char *const keys[] = {"extensionsUsed", "extensionsRequired"};
-    const json *j = &g->json;
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k) {
         json_text text = {0};
-        if (is_listed(j, norma_json_member(j, 0, keys[k]), extension)) continue;
+        if (norma_gltf_lists(g, keys[k], extension)) continue;
         norma_json_add_quoted(&text, extension);
         norma_json_append_made(g->edits, 0, keys[k], &text);
     }

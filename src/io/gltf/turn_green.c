@@ -106,10 +106,8 @@ static uint32_t references_of(const turner *t, const char *name) {
 
 /* The token of the number of a material's texture, or JSON_NONE. */
 static uint32_t reference_index(const turner *t, uint32_t material, uint32_t *texture) {
-    const json *j = &t->g->json;
-    const uint32_t token = norma_json_member(j,
-        norma_gltf_normal_use(t->g, norma_json_element(j, references_of(t, "materials"), material)),
-        "index");
+    const uint32_t token = norma_json_member(
+        &t->g->json, norma_gltf_normal_use(t->g, norma_gltf_material(t->g, material)), "index");
     *texture = norma_gltf_number(t->g, token, t->texture_count);
     return *texture == GLTF_NONE ? JSON_NONE : token;
 }
@@ -350,7 +348,7 @@ static int prepare_images(turner *t, const uint8_t *meshes) {
     t->given = norma_io_allocate(t->image_count, sizeof *t->given);
     t->pins = norma_gltf_view_pins(g);
     if (!t->materials || !t->textures || !t->images || !t->texture_uses || !t->image_uses ||
-        !t->given || !t->pins)
+        !t->given || !t->pins || !norma_gltf_scene_of(t->g))
         return 0;
     for (uint32_t i = 0; i < t->image_count; ++i) t->images[i].made = GLTF_NONE;
     for (uint32_t p = 0; p < g->primitive_count; ++p)

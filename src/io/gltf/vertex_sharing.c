@@ -20,14 +20,9 @@ static int same_attributes(const gltf *g, const gltf_attributes *a, const gltf_a
     return 1;
 }
 
-/* Whether a target is to get normals. */
-static int morphs_normals(const gltf_job *job, const gltf_attributes *target) {
-    return target->normal != GLTF_NONE || (job->options->morphs && target->position != GLTF_NONE);
-}
-
 static int has_morphs(const gltf_job *job, const gltf_primitive *p) {
     for (uint32_t t = 0; t < p->target_count; ++t)
-        if (morphs_normals(job, &job->g->targets[p->first_target + t])) return 1;
+        if (norma_gltf_morphs_normals(job, &job->g->targets[p->first_target + t])) return 1;
     return 0;
 }
 
