@@ -123,21 +123,12 @@ static void gltf_transform_vectors(bake_role role, const bake_map *map, const gl
 
 /* ---- encodings */
 
-/* 0: its codes are no integers. */
-static int limits(int component, double *low, double *high) {
-    const int is_signed = component == GLTF_BYTE || component == GLTF_SHORT;
-    if (norma_gltf_is_float(component) || component == GLTF_UINT) return 0;
-    *high = norma_gltf_largest_code(component);
-    *low = is_signed ? -*high : 0;
-    return 1;
-}
-
 /* Whether every value is a code of the encoding to within tolerance codes (0.5: in range). */
 static int holds_values(
     int component, int normalized, const double *values, size_t count, double tolerance) {
-    double low, high;
-    if (!limits(component, &low, &high)) return 0;
-    const double by = normalized ? high : 1;
+    const double high = norma_gltf_largest_code(component), by = normalized ? high : 1,
+                 low = component == GLTF_BYTE || component == GLTF_SHORT ? -high : 0;
+    if (norma_gltf_is_float(component) || component == GLTF_UINT) return 0; /* no such codes */
     for (size_t i = 0; i < count; ++i) {
         const double code = values[i] * by, whole = nearbyint(code);
         if (!(whole >= low && whole <= high && fabs(code - whole) <= tolerance)) return 0;
@@ -322,11 +313,10 @@ static void find_fallback(bake_map *map) {
     map->fallback[0] = map->fallback[1] = 0;
     map->fallback[2] = 1;
     for (int i = 0; i < 3; ++i) {
-        const double *c = map->normal + 3 * i,
-                     length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
-        if (length <= longest) continue;
-        longest = length;
-        for (int k = 0; k < 3; ++k) map->fallback[k] = c[k] / length;
+        const double *c = map->normal + 3 * i, size = length(c);
+        if (size <= longest) continue;
+        longest = size;
+        for (int k = 0; k < 3; ++k) map->fallback[k] = c[k] / size;
     }
 }
 

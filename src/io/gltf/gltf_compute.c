@@ -1,4 +1,5 @@
 /* gltf_compute.c: normals for an asset, and the differences of its morph targets. */
+#include "core/call/table.h"
 #include "io/gltf/gltf.h"
 #include <stdlib.h>
 #include <string.h>
@@ -24,33 +25,25 @@ static int same_positions(const gltf *g, const gltf_primitive *a, const gltf_pri
     return 1;
 }
 
-/* A table of primitives by what they share; SIZE_MAX: free. */
-typedef struct sharers {
-    size_t *first, size;
-} sharers;
-
-static size_t hash_surface_positions(const gltf *g, const gltf_primitive *p) {
+static uint64_t hash_surface_positions(const gltf *g, const gltf_primitive *p) {
     uint64_t hash = p->base.position;
     for (uint32_t t = 0; t < p->target_count; ++t)
         hash = (hash ^ hash >> 29 ^ g->targets[p->first_target + t].position) * 0x9E3779B97F4A7C15u;
-    return (size_t)(hash ^ hash >> 32);
+    return hash ^ hash >> 32;
 }
 
-/* The first primitive with the same positions, and, where corners is nonzero, the same corners;
- * else i itself, which is put in. */
-static size_t first_like(
-    const gltf *g, const gltf_primitive *list, sharers *table, size_t i, int corners) {
-    uint64_t hash = hash_surface_positions(g, &list[i]);
-    if (corners)
-        hash = (hash ^ ((uint64_t)list[i].indices << 8 | list[i].mode)) * 0xD6E8FEB86659FD93u;
-    size_t at = (size_t)(hash ^ hash >> 32) & (table->size - 1);
-    for (; table->first[at] != SIZE_MAX; at = (at + 1) & (table->size - 1)) {
-        const gltf_primitive *other = &list[table->first[at]];
-        if (same_positions(g, &list[i], other) &&
-            (!corners || (list[i].indices == other->indices && list[i].mode == other->mode)))
-            return table->first[at];
-    }
-    return table->first[at] = i;
+/* A primitive of a mesh, looked for by its positions and, where corners is nonzero, its corners. */
+typedef struct wanted_primitive {
+    const gltf *g;
+    const gltf_primitive *list, *like;
+    int corners;
+} wanted_primitive;
+
+static int is_wanted_primitive(const void *context, uint32_t number) {
+    const wanted_primitive *w = context;
+    const gltf_primitive *other = &w->list[number];
+    return same_positions(w->g, w->like, other) &&
+           (!w->corners || (w->like->indices == other->indices && w->like->mode == other->mode));
 }
 
 /* Where each primitive's positions and corners begin; an exact repetition of a primitive (another
@@ -58,28 +51,27 @@ static size_t first_like(
 static int lay_out_surface(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners) {
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     const gltf_primitive *list = g->primitives + mesh->first_primitive;
-    size_t size = 2;
-    while (size / 2 < mesh->primitive_count) size *= 2;
-    sharers by_positions = {norma_io_allocate(size, sizeof(size_t)), size},
-            by_corners = {norma_io_allocate(size, sizeof(size_t)), size};
-    const int there = by_positions.first && by_corners.first;
-    if (there) {
-        memset(by_positions.first, 0xFF, size * sizeof(size_t));
-        memset(by_corners.first, 0xFF, size * sizeof(size_t));
-    }
-    for (uint32_t i = 0; there && i < mesh->primitive_count; ++i) {
+    const size_t size = norma_core_table_size(mesh->primitive_count);
+    uint32_t *tables = norma_io_allocate(size, 2 * sizeof *tables);
+    for (uint32_t i = 0; tables && i < mesh->primitive_count; ++i) {
+        const gltf_primitive *p = &list[i];
+        uint64_t hash = hash_surface_positions(g, p);
         s->corner_start[i] = s->position_start[i] = SIZE_MAX;
-        if (list[i].not_read) continue;
-        const size_t with_positions = first_like(g, list, &by_positions, i, 0),
-                     with_corners = first_like(g, list, &by_corners, i, 1);
-        s->position_start[i] = with_positions == i ? *positions : s->position_start[with_positions];
-        s->corner_start[i] = with_corners == i ? *corners : s->corner_start[with_corners];
-        *positions += with_positions == i ? list[i].vertices : 0;
-        *corners += with_corners == i ? 3 * list[i].faces : 0;
+        for (int k = 0; !p->not_read && k < 2; ++k) {
+            const wanted_primitive w = {g, list, p, k};
+            size_t *starts = k ? s->corner_start : s->position_start,
+                   *end = k ? corners : positions;
+            uint32_t *first =
+                norma_core_table_find(tables + (k ? size : 0), size, hash, is_wanted_primitive, &w);
+            starts[i] = *first ? starts[*first - 1] : *end;
+            if (!*first) *end += k ? 3 * p->faces : p->vertices;
+            if (!*first) *first = i + 1;
+            hash = (hash ^ ((uint64_t)p->indices << 8 | p->mode)) * 0xD6E8FEB86659FD93u;
+            hash ^= hash >> 32;
+        }
     }
-    free(by_positions.first);
-    free(by_corners.first);
-    return there;
+    free(tables);
+    return tables != NULL;
 }
 
 typedef struct encoding {
