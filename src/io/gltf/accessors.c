@@ -132,9 +132,7 @@ norma_document_result norma_gltf_read_draco(
         norma_json_size(j, attribute_list(g, p)) > MOST_ATTRIBUTES)
         return norma_gltf_malformed(
             g, error, p->draco.token, "bufferView and attributes as the extension has them");
-    const gltf_meshopt *m = &g->views[view].meshopt;
-    if (g->buffers[m->token == GLTF_NONE ? g->views[view].buffer : m->buffer].storage ==
-        GLTF_STORED_NOWHERE) {
+    if (norma_gltf_has_no_bytes(g, view)) {
         *why = "its buffer has no URI, so its bytes are not available";
         return NORMA_DOCUMENT_OK;
     }
@@ -229,17 +227,10 @@ static norma_document_result declare(
                         : "a count equal to that of the primitive's POSITION");
         result = measure_fallback(g, a, error);
         if (!result) result = norma_gltf_spend(g, a->token, a->count, a->element_size, error);
+        if (!result && !(u->values[i].out = norma_io_allocate(a->count, a->element_size)))
+            result = norma_document_fail_memory(g->document, error);
     }
     return result ? result : measure_stream(g, p, u, error);
-}
-
-static norma_document_result allocate_stream(gltf *g, unpacking *u, norma_document_error *error) {
-    for (size_t i = 0; i < u->count; ++i) {
-        const gltf_accessor *a = &g->accessors[u->accessors[i]];
-        u->values[i].out = norma_io_allocate(a->count, a->element_size);
-        if (!u->values[i].out) return norma_document_fail_memory(g->document, error);
-    }
-    return NORMA_DOCUMENT_OK;
 }
 
 static const char *attribute_name(const gltf *g, const gltf_primitive *p, uint32_t accessor) {
@@ -306,7 +297,6 @@ static norma_document_result gltf_decode_draco(
     if (!result && !gather_streams(g, number, &u))
         result = norma_document_fail_memory(g->document, error);
     if (!result) result = declare(g, p, &u, error);
-    if (!result) result = allocate_stream(g, &u, error);
     if (!result) {
         const size_t skipped = g->accessors[u.accessors[0]].draco_id == INDICES;
         u.stream.indices = skipped ? u.values : NULL;

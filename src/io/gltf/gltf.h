@@ -272,6 +272,12 @@ static inline int norma_gltf_lies_in(const gltf *g, uint32_t buffer, size_t offs
     const size_t room = g->buffers[buffer].length;
     return offset <= room && length <= room - offset;
 }
+/* Its buffer has no URI, so the program that loads the file has to bring the bytes. */
+static inline int norma_gltf_has_no_bytes(const gltf *g, uint32_t view) {
+    const gltf_view *v = &g->views[view];
+    const uint32_t buffer = v->meshopt.token == GLTF_NONE ? v->buffer : v->meshopt.buffer;
+    return g->buffers[buffer].storage == GLTF_STORED_NOWHERE;
+}
 int norma_gltf_view_overruns(
     const gltf *g, uint32_t view); /* buffers.c: its end lies beyond its buffer's */
 /* accessors.c, as all that follows without the name of a file */
@@ -705,9 +711,7 @@ typedef struct gltf_surface {
 
 typedef struct gltf_set {
     uint32_t lead, last; /* its first and last primitive; in between by the job's next_in_set */
-    uint32_t
-        next_at; /* the next set in the same slot of the table, while sets are made; or GLTF_NONE */
-    uint32_t mesh; /* GLTF_NONE: several meshes draw it */
+    uint32_t mesh;       /* GLTF_NONE: several meshes draw it */
     int wanted, has_morphs;
     size_t vertices, added_count, added_capacity;
     uint8_t *broken; /* NULL: every vertex gets a new normal; else those that are nonzero do */

@@ -126,11 +126,7 @@ static int lacks_bytes(const gltf *g, uint32_t accessor) {
     const uint32_t views[3] = {a->view, a->sparse.count ? a->sparse.indices_view : GLTF_NONE,
         a->sparse.count ? a->sparse.values_view : GLTF_NONE};
     for (int i = 0; i < 3; ++i) {
-        const gltf_view *view = views[i] == GLTF_NONE ? NULL : &g->views[views[i]];
-        if (view &&
-            g->buffers[view->meshopt.token == GLTF_NONE ? view->buffer : view->meshopt.buffer]
-                    .storage == GLTF_STORED_NOWHERE)
-            return 1;
+        if (views[i] != GLTF_NONE && norma_gltf_has_no_bytes(g, views[i])) return 1;
     }
     return 0;
 }

@@ -110,27 +110,32 @@ static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
     return hash;
 }
 
-/* Puts a primitive into its set, and makes the set if it does not exist yet. sets_at: for each slot
- * of a table the last set made in it. */
-static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at) {
+typedef struct wanted_set {
+    const gltf_job *job;
+    const gltf_primitive *p;
+} wanted_set;
+
+static int is_wanted_set(const void *context, uint32_t number) {
+    const wanted_set *w = context;
+    return is_same_set(w->job, &w->job->sets[number], w->p);
+}
+
+/* Puts a primitive into its set, and makes the set if it does not exist yet. */
+static norma_document_result join_set(
+    gltf_job *job, uint32_t primitive, uint32_t *table, size_t size) {
     const gltf_primitive *p = &job->g->primitives[primitive];
-    const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);
-    uint32_t s = sets_at[slot];
-    while (s != GLTF_NONE && !is_same_set(job, &job->sets[s], p)) s = job->sets[s].next_at;
-    if (s != GLTF_NONE) {
-        gltf_set *set = &job->sets[s];
-        set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
-        job->next_in_set[set->last] = primitive;
-        set->last = primitive;
-        job->set_of[primitive] = s;
-        return NORMA_DOCUMENT_OK;
-    }
-    s = job->set_count++;
-    job->set_of[primitive] = s;
-    norma_document_result result = begin_set(job, &job->sets[s], primitive);
-    job->sets[s].next_at = sets_at[slot];
-    sets_at[slot] = s;
-    return result;
+    const wanted_set w = {job, p};
+    uint32_t *number =
+        norma_core_table_find(table, size, hash_primitive(job, p), is_wanted_set, &w);
+    const int is_new_set = *number == 0;
+    if (is_new_set) *number = ++job->set_count;
+    gltf_set *set = &job->sets[*number - 1];
+    job->set_of[primitive] = *number - 1;
+    if (is_new_set) return begin_set(job, set, primitive);
+    set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
+    job->next_in_set[set->last] = primitive;
+    set->last = primitive;
+    return NORMA_DOCUMENT_OK;
 }
 
 /* Vertices that a primitive draws which is locked, or not asked for, keep their normals, whoever
@@ -152,20 +157,20 @@ int norma_gltf_pass_on(void *user, double fraction) {
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    uint32_t *sets_at = norma_io_allocate(g->primitive_count, sizeof *sets_at);
+    const size_t size = norma_core_table_size(g->primitive_count);
+    uint32_t *table = norma_io_allocate(size, sizeof *table);
     job->sets = norma_io_allocate(g->primitive_count, sizeof *job->sets);
     job->set_of = norma_io_allocate(g->primitive_count, sizeof *job->set_of);
     job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
-    if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
+    if (!table || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
         result = norma_gltf_job_memory(job);
-    for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot) sets_at[slot] = GLTF_NONE;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
-        if (!g->primitives[i].not_read) result = join_set(job, i, sets_at);
+        if (!g->primitives[i].not_read) result = join_set(job, i, table, size);
         if (!result && is_locked_set(job, i)) job->sets[job->set_of[i]].wanted = 0;
     }
-    free(sets_at);
+    free(table);
     return result;
 }
 
