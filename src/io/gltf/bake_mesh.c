@@ -204,6 +204,7 @@ static bake_encoded encode_floats(
                 isnan(value) ? (double)NAN : value + 0.0);
             if (!is_held && norma_core_finite(before)) {
                 free(data->bytes);
+                data->bytes = NULL;
                 return BAKE_TOO_LARGE;
             }
         }
