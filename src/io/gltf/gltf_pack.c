@@ -11,16 +11,11 @@
 typedef enum pack_level { PACK_BYTE = 0, PACK_SHORT, PACK_KEPT } pack_level;
 enum { LEVELS = PACK_KEPT + 1 };
 
-typedef enum pack_role {
-    PACK_UNUSED = 0,
-    PACK_NORMAL,
-    PACK_TANGENT,
-    PACK_NORMAL_DELTA,
-    PACK_TANGENT_DELTA
-} pack_role;
+/* What an accessor is used for; positions are never packed. */
+static const bake_role PACK_UNUSED = BAKE_POSITIONS;
 
 typedef struct pack_entry { /* of an accessor */
-    pack_role role;
+    bake_role role;
     uint32_t uses; /* slots of this role */
     int barred;    /* it keeps its encoding: another use, or numbers that no code can hold */
     pack_level level;
@@ -57,7 +52,7 @@ static norma_document_result pack_memory(const packing *p) {
 /* ---- which accessors, and what uses them */
 
 static norma_document_result add_packed_use(
-    packing *p, const gltf_slot *slot, uint32_t accessor, pack_role role, uint32_t width) {
+    packing *p, const gltf_slot *slot, uint32_t accessor, bake_role role, uint32_t width) {
     if (accessor == GLTF_NONE) return NORMA_DOCUMENT_OK;
     pack_entry *entry = &p->entries[accessor];
     pack_slot *added = norma_io_add(&p->slots, &p->slot_capacity, &p->slot_count, sizeof *added);
@@ -86,13 +81,13 @@ static norma_document_result list_primitive(packing *p, uint32_t number) {
     const gltf_primitive *of = &p->g->primitives[number];
     gltf_slot normal = {0, number, GLTF_SLOT_BASE, "NORMAL"},
               tangent = {0, number, GLTF_SLOT_BASE, "TANGENT"};
-    norma_document_result result = add_packed_use(p, &normal, of->base.normal, PACK_NORMAL, 3);
-    if (!result) result = add_packed_use(p, &tangent, of->base.tangent, PACK_TANGENT, 4);
+    norma_document_result result = add_packed_use(p, &normal, of->base.normal, BAKE_NORMALS, 3);
+    if (!result) result = add_packed_use(p, &tangent, of->base.tangent, BAKE_TANGENTS, 4);
     for (uint32_t t = 0; !result && t < of->target_count; ++t) {
         const gltf_attributes *target = &p->g->targets[of->first_target + t];
         normal.target = tangent.target = (int32_t)t;
-        result = add_packed_use(p, &normal, target->normal, PACK_NORMAL_DELTA, 3);
-        if (!result) result = add_packed_use(p, &tangent, target->tangent, PACK_TANGENT_DELTA, 3);
+        result = add_packed_use(p, &normal, target->normal, BAKE_NORMAL_DELTAS, 3);
+        if (!result) result = add_packed_use(p, &tangent, target->tangent, BAKE_TANGENT_DELTAS, 3);
         if (!result) result = add_pair(p, of->base.normal, target->normal);
         if (!result) result = add_pair(p, of->base.tangent, target->tangent);
     }
@@ -143,13 +138,6 @@ static size_t level_bytes(const packing *p, uint32_t accessor, pack_level level)
     return dense * padded_size(of[level]) + a->sparse.count * of[level];
 }
 
-static bake_role encoding_role(pack_role role) {
-    return role == PACK_NORMAL         ? BAKE_NORMALS
-           : role == PACK_TANGENT      ? BAKE_TANGENTS
-           : role == PACK_NORMAL_DELTA ? BAKE_NORMAL_DELTAS
-                                       : BAKE_TANGENT_DELTAS;
-}
-
 /* A code is there for the number that a tangent's sign is. */
 static int is_sign(double w) { return w == 1 || w == -1 || w == 0; }
 
@@ -166,36 +154,35 @@ static double *read_values(const gltf_array *array, int *held) {
     return values;
 }
 
-/* The elements at a level; *held 0: no code of it can hold them, and nothing was made. At
- * PACK_KEPT, those of the file, which are not the caller's to free. */
+typedef struct pack_elements { /* of an accessor, at a level */
+    gltf_array array;
+    gltf_data data; /* its bytes are to be freed; at PACK_KEPT there are none but the file's */
+    int held;       /* 0: no code of the level can hold them, and nothing was made */
+} pack_elements;
+
 static norma_document_result make_level(
-    packing *p, uint32_t accessor, pack_level level, gltf_data *data, gltf_array *made, int *held) {
-    *data = (gltf_data){0};
-    norma_document_result result = norma_gltf_array(p->g, accessor, made, p->error);
-    *held = !result;
+    packing *p, uint32_t accessor, pack_level level, pack_elements *made) {
+    *made = (pack_elements){.held = 1};
+    norma_document_result result = norma_gltf_array(p->g, accessor, &made->array, p->error);
     if (result || level == PACK_KEPT) return result;
-    gltf_array like = *made;
+    gltf_array like = made->array;
     like.component = level == PACK_BYTE ? GLTF_BYTE : GLTF_SHORT;
     like.normalized = 1;
-    *held = 0;
+    made->held = 0;
     if (p->entries[accessor].barred ||
         level_bytes(p, accessor, level) >= level_bytes(p, accessor, PACK_KEPT))
         return NORMA_DOCUMENT_OK;
-    double *values = read_values(made, held);
+    double *values = read_values(&made->array, &made->held);
     bake_encoded encoded = values ? BAKE_ENCODED : BAKE_NO_MEMORY;
-    if (values && *held)
-        encoded = norma_gltf_encode(encoding_role(p->entries[accessor].role), &like, values, data);
+    if (values && made->held)
+        encoded = norma_gltf_encode(p->entries[accessor].role, &like, values, &made->data);
     free(values);
     if (encoded == BAKE_NO_MEMORY) return pack_memory(p);
-    if (encoded == BAKE_TOO_LARGE || data->component != like.component) { /* floats: out of range */
-        free(data->bytes);
-        *data = (gltf_data){0};
-        *held = 0;
+    if (encoded == BAKE_TOO_LARGE || made->data.component != like.component) { /* out of range */
+        free(made->data.bytes);
+        *made = (pack_elements){.held = 0};
     }
-    made->data = data->bytes;
-    made->stride = norma_gltf_data_size(data);
-    made->component = data->component;
-    made->normalized = data->normalized;
+    made->array = norma_gltf_array_of(&made->data);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -240,17 +227,16 @@ static double worst_angle(const pack_state *before, const pack_state *after, dou
 /* The smallest level of a target's differences that stays within the bound on this base. */
 static norma_document_result fit_delta(
     packing *p, const pack_pair *pair, const gltf_array *base, int *level) {
-    gltf_array stored, stored_delta, made;
-    gltf_data data;
-    int held;
+    gltf_array stored, stored_delta;
+    pack_elements made;
     norma_document_result result = norma_gltf_array(p->g, pair->base, &stored, p->error);
     if (!result) result = norma_gltf_array(p->g, pair->delta, &stored_delta, p->error);
-    const pack_state before = {&stored, &stored_delta}, after = {base, &made};
+    const pack_state before = {&stored, &stored_delta}, after = {base, &made.array};
     const double bound = p->options->max_error_rad;
     for (*level = PACK_BYTE; !result && *level < LEVELS; ++*level) {
-        result = make_level(p, pair->delta, (pack_level)*level, &data, &made, &held);
-        const int fits = !result && held && worst_angle(&before, &after, bound) <= bound;
-        free(data.bytes);
+        result = make_level(p, pair->delta, (pack_level)*level, &made);
+        const int fits = !result && made.held && worst_angle(&before, &after, bound) <= bound;
+        free(made.data.bytes);
         if (fits) break;
     }
     return result;
@@ -274,20 +260,19 @@ static norma_document_result fit_targets(
 static norma_document_result choose_base(packing *p, uint32_t base, size_t first, size_t end) {
     const double bound = p->options->max_error_rad;
     size_t least = SIZE_MAX;
-    gltf_array stored, made;
-    gltf_data data;
-    int held;
+    gltf_array stored;
+    pack_elements made;
     p->entries[base].level = PACK_KEPT;
     norma_document_result result = norma_gltf_array(p->g, base, &stored, p->error);
     for (int level = PACK_BYTE; !result && level < LEVELS; ++level) {
         size_t bytes = level_bytes(p, base, (pack_level)level);
-        result = make_level(p, base, (pack_level)level, &data, &made, &held);
-        const pack_state before = {&stored, NULL}, after = {&made, NULL};
-        if (!result && held && worst_angle(&before, &after, bound) <= bound)
-            result = fit_targets(p, first, end, &made, &bytes);
+        result = make_level(p, base, (pack_level)level, &made);
+        const pack_state before = {&stored, NULL}, after = {&made.array, NULL};
+        if (!result && made.held && worst_angle(&before, &after, bound) <= bound)
+            result = fit_targets(p, first, end, &made.array, &bytes);
         else
             bytes = SIZE_MAX;
-        free(data.bytes);
+        free(made.data.bytes);
         if (bytes >= least) continue;
         least = bytes;
         p->entries[base].level = (pack_level)level;
@@ -298,17 +283,16 @@ static norma_document_result choose_base(packing *p, uint32_t base, size_t first
 /* Puts an accessor at its level, for those that come after it. */
 static norma_document_result keep_level(packing *p, uint32_t accessor) {
     pack_entry *entry = &p->entries[accessor];
-    gltf_data data;
-    int held;
-    norma_document_result result =
-        make_level(p, accessor, entry->level, &data, &entry->made, &held);
+    pack_elements made;
+    norma_document_result result = make_level(p, accessor, entry->level, &made);
+    entry->made = made.array;
     if (result || entry->level == PACK_KEPT) return result;
-    entry->data = norma_gltf_add_data(p->g, &data);
+    entry->data = norma_gltf_add_data(p->g, &made.data);
     return entry->data == GLTF_NONE ? pack_memory(p) : NORMA_DOCUMENT_OK;
 }
 
 static int is_base(const pack_entry *entry) {
-    return entry->role == PACK_NORMAL || entry->role == PACK_TANGENT;
+    return entry->role == BAKE_NORMALS || entry->role == BAKE_TANGENTS;
 }
 
 static norma_document_result choose_bases(packing *p) {
@@ -379,7 +363,7 @@ static norma_document_result check_pairs(packing *p) {
 
 static norma_document_result count_accessor(packing *p, uint32_t accessor) {
     const pack_entry *entry = &p->entries[accessor];
-    const int normal = entry->role == PACK_NORMAL || entry->role == PACK_NORMAL_DELTA;
+    const int normal = entry->role == BAKE_NORMALS || entry->role == BAKE_NORMAL_DELTAS;
     norma_pack_part *part = normal ? &p->summary->normals : &p->summary->tangents;
     gltf_array stored;
     norma_document_result result = norma_gltf_array(p->g, accessor, &stored, p->error);
