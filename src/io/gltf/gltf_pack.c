@@ -79,17 +79,18 @@ static norma_document_result add_pair(packing *p, uint32_t base, uint32_t delta)
 
 static norma_document_result list_primitive(packing *p, uint32_t number) {
     const gltf_primitive *of = &p->g->primitives[number];
-    gltf_slot normal = {0, number, GLTF_SLOT_BASE, "NORMAL"},
-              tangent = {0, number, GLTF_SLOT_BASE, "TANGENT"};
-    norma_document_result result = add_packed_use(p, &normal, of->base.normal, BAKE_NORMALS, 3);
-    if (!result) result = add_packed_use(p, &tangent, of->base.tangent, BAKE_TANGENTS, 4);
-    for (uint32_t t = 0; !result && t < of->target_count; ++t) {
-        const gltf_attributes *target = &p->g->targets[of->first_target + t];
-        normal.target = tangent.target = (int32_t)t;
-        result = add_packed_use(p, &normal, target->normal, BAKE_NORMAL_DELTAS, 3);
-        if (!result) result = add_packed_use(p, &tangent, target->tangent, BAKE_TANGENT_DELTAS, 3);
-        if (!result) result = add_pair(p, of->base.normal, target->normal);
-        if (!result) result = add_pair(p, of->base.tangent, target->tangent);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (int32_t t = GLTF_SLOT_BASE; !result && t < (int32_t)of->target_count; ++t) {
+        const int delta = t != GLTF_SLOT_BASE;
+        const gltf_attributes *set = norma_gltf_set_of(p->g, of, t);
+        const gltf_slot normal = {0, number, t, "NORMAL"}, tangent = {0, number, t, "TANGENT"};
+        result =
+            add_packed_use(p, &normal, set->normal, delta ? BAKE_NORMAL_DELTAS : BAKE_NORMALS, 3);
+        if (!result)
+            result = add_packed_use(p, &tangent, set->tangent,
+                delta ? BAKE_TANGENT_DELTAS : BAKE_TANGENTS, delta ? 3 : 4);
+        if (!result && delta) result = add_pair(p, of->base.normal, set->normal);
+        if (!result && delta) result = add_pair(p, of->base.tangent, set->tangent);
     }
     return result;
 }

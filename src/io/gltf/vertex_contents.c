@@ -591,23 +591,17 @@ static norma_document_result edit_primitive_faces(
 
 /* ---- a primitive */
 
-/* The accessor stays in its list, since numbers never shift. */
-static void strip(gltf *g, const gltf_attributes *attributes, const char *name) {
-    norma_json_unset(g->edits, attributes->token, name);
-}
-
 /* Tangents mean nothing without normals, and go with them; those of targets also where the mesh has
- * none to add them to. */
+ * none to add them to. The accessor stays in its list, since numbers never shift. */
 static int strip_primitive(gltf *g, uint32_t primitive, int of_targets_alone) {
     const gltf_primitive *p = &g->primitives[primitive];
-    int all_tangents = !of_targets_alone || p->base.tangent == GLTF_NONE;
-    if (!of_targets_alone && p->base.normal != GLTF_NONE) strip(g, &p->base, "NORMAL");
-    if (!of_targets_alone && p->base.tangent != GLTF_NONE) strip(g, &p->base, "TANGENT");
-    for (uint32_t t = 0; t < p->target_count; ++t) {
-        const gltf_attributes *target = &g->targets[p->first_target + t];
-        if (target->normal != GLTF_NONE && (!of_targets_alone || p->base.normal == GLTF_NONE))
-            strip(g, target, "NORMAL");
-        if (target->tangent != GLTF_NONE && all_tangents) strip(g, target, "TANGENT");
+    const int normals = !of_targets_alone || p->base.normal == GLTF_NONE,
+              tangents = !of_targets_alone || p->base.tangent == GLTF_NONE;
+    for (int32_t t = of_targets_alone ? 0 : GLTF_SLOT_BASE; t < (int32_t)p->target_count; ++t) {
+        const gltf_attributes *set = norma_gltf_set_of(g, p, t);
+        if (set->normal != GLTF_NONE && normals) norma_json_unset(g->edits, set->token, "NORMAL");
+        if (set->tangent != GLTF_NONE && tangents)
+            norma_json_unset(g->edits, set->token, "TANGENT");
     }
     return of_targets_alone || norma_gltf_strip(g, primitive);
 }
