@@ -555,6 +555,26 @@ norma_document_result norma_gltf_array(
     return result;
 }
 
+norma_document_result norma_gltf_copy_rows(gltf *g, uint32_t accessor, size_t kept,
+    const uint32_t *sources, size_t count, gltf_data *data, norma_document_error *error) {
+    gltf_array array;
+    const size_t size = g->accessors[accessor].element_size;
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (result) return result;
+    *data = (gltf_data){.component = array.component,
+        .normalized = array.normalized,
+        .width = array.width,
+        .element_size = size,
+        .count = count,
+        .bytes = norma_io_block(count, size)};
+    if (!data->bytes) return norma_document_fail_memory(g->document, error);
+    if (array.stride == size) memcpy(data->bytes, array.data, kept * size);
+    for (size_t v = array.stride == size ? kept : 0; v < count; ++v)
+        memcpy(data->bytes + v * size,
+            array.data + (v < kept ? v : sources[v - kept]) * array.stride, size);
+    return NORMA_DOCUMENT_OK;
+}
+
 static double half_at(const unsigned char *at) {
     const uint32_t bits = norma_gltf_read_uint(at, GLTF_USHORT), exponent = bits >> 10 & 31,
                    fraction = bits & 1023;

@@ -430,7 +430,7 @@ typedef struct gltf_slot {
                               g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
-/* patch.c, before anything is put: forgets a change that changed nothing. */
+/* gltf_write.c, before anything is put: forgets a change that changed nothing. */
 void norma_gltf_begin_change(gltf *g);
 int norma_gltf_drop_change(
     norma_document *document); /* as if it had not been begun; 0: no memory */
@@ -455,26 +455,12 @@ norma_document_result norma_gltf_put_new(
 /* Whether an accessor's elements are these, bit for bit. */
 int norma_gltf_is_same(const gltf_array *old, const gltf_data *data);
 void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode);
-/* A copy of a mesh at the end of "meshes": its handle for slots and edits (from 1), its number in
- * the file in *mesh_number. 0: out of memory. */
-uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number);
-/* One use of an accessor outside the meshes (instancing) is given up: where nobody uses it any
- * more, new contents take its place. 0: out of memory. */
-int norma_gltf_release(gltf *g, uint32_t accessor);
 json_edits *norma_gltf_edits(
     gltf *g, uint32_t copy); /* 0: of the asset; else those that apply to the copy alone */
-/* Nothing uses the extension (a literal) any more: it leaves extensionsUsed and extensionsRequired
- * in the end. 0: out of memory. */
-int norma_gltf_unlist(gltf *g, const char *extension);
-/* From now on the file uses and requires the extension. */
-void norma_gltf_require(gltf *g, const char *extension);
-/* For each accessor how often meshes, animations, skins and instances name it; NULL: out of memory.
- */
-uint32_t *norma_gltf_accessor_uses(const gltf *g);
 /* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
  * memory. */
 int norma_gltf_strip(gltf *g, uint32_t primitive);
-/* patch.c: turns all that was put into edits and views. To be called once, at the end of
+/* gltf_write.c: turns all that was put into edits and views. To be called once, at the end of
  * compute or transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
 
@@ -507,7 +493,7 @@ norma_document_result norma_gltf_transform(norma_document *document,
     norma_document_error *error);
 /* vertex_contents.c: bytes of a vertex, those of all targets among them */
 size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p);
-/* vertex_contents.c: an accessor's elements as new contents: the first kept ones in their places,
+/* accessors.c: an accessor's elements as new contents: the first kept ones in their places,
  * behind them those that sources names. */
 norma_document_result norma_gltf_copy_rows(gltf *g, uint32_t accessor, size_t kept,
     const uint32_t *sources, size_t count, gltf_data *data, norma_document_error *error);

@@ -113,6 +113,20 @@ struct gltf_patch {
                          */
 };
 
+/* A copy of a mesh at the end of "meshes": its handle for slots and edits (from 1), its number in
+ * the file in *mesh_number. 0: out of memory. */
+uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number);
+/* One use of an accessor outside the meshes (instancing) is given up: where nobody uses it any
+ * more, new contents take its place. 0: out of memory. */
+int norma_gltf_release(gltf *g, uint32_t accessor);
+/* Nothing uses the extension (a literal) any more: it leaves extensionsUsed and extensionsRequired
+ * in the end. 0: out of memory. */
+int norma_gltf_unlist(gltf *g, const char *extension);
+/* From now on the file uses and requires the extension. */
+void norma_gltf_require(gltf *g, const char *extension);
+/* For each accessor how often meshes, animations, skins and instances name it; NULL: out of memory.
+ */
+uint32_t *norma_gltf_accessor_uses(const gltf *g);
 gltf_patch *norma_gltf_patch_of(gltf *g); /* made on first use; NULL: out of memory */
 void norma_gltf_patch_free(gltf *g);
 uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
@@ -127,7 +141,9 @@ norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t fi
 /* byte_layout.c: says in the JSON, or of the new accessor, that the run lies there. */
 void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 
-/* The second step of norma_gltf_finish (assign_views.c). */
+/* The steps of norma_gltf_finish: patch.c, assign_views.c, and patch.c for what was unlisted. */
+norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
+void norma_gltf_edit_extensions(gltf *g);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
 
 typedef enum gltf_destination {

@@ -1,5 +1,5 @@
-/* gltf_write.c: a changed document written: the names of its buffers and images, its layout, its
- * container. */
+/* gltf_write.c: a change begun and ended, and a changed document written: the names of its buffers
+ * and images, its layout, its container. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/gltf_layout.h"
 #include <errno.h>
@@ -287,8 +287,52 @@ static norma_document_result gltf_name_buffers(
     return result;
 }
 
-/* ---- the beginning and the end of a change; the asset written as bytes, to a file or to be opened
- * again. */
+/* ---- The beginning and the end of a change: what was put becomes accessors (patch.c), views
+ * (assign_views.c) and edits of the JSON. */
+
+void norma_gltf_begin_change(gltf *g) { norma_gltf_patch_free(g); /* one that changed nothing */ }
+
+int norma_gltf_drop_change(norma_document *document) {
+    gltf *g = norma_gltf_of(document);
+    norma_gltf_patch_free(g);
+    norma_json_edits_destroy(g->edits);
+    g->edits = norma_json_edits_create(&g->json, 0);
+    g->changed = 0;
+    return g->edits != NULL;
+}
+
+static void append_copies(gltf *g) {
+    const gltf_patch *patch = g->patch;
+    for (size_t i = 0; i < patch->copy_count; ++i) {
+        json_text text = {0};
+        text.failed = !norma_json_write(
+            patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
+        norma_json_append_made(g->edits, 0, "meshes", &text);
+    }
+}
+
+norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
+    gltf_patch *patch = norma_gltf_patch_of(g);
+    norma_document_result result = patch ? norma_gltf_assign_accessors(g, error)
+                                         : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_assign_views(g, error);
+    if (!result && patch->accessor_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_ACCESSORS, error);
+    if (!result && patch->view_count > g->view_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_VIEWS, error);
+    if (!result && patch->copy_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
+    if (!result) append_copies(g);
+    if (result) return result;
+    norma_gltf_edit_extensions(g);
+    if (norma_json_edits_failed(g->edits)) return norma_document_fail_memory(g->document, error);
+    g->changed = norma_json_edits_any(g->edits);
+    for (size_t i = 0; i < patch->view_count; ++i)
+        g->changed |= patch->views[i].plain.bytes != NULL;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- The asset written as bytes, to a file or to be opened again. */
 
 enum { BYTE_LENGTH = 8, ALIGNED = 8 };
 

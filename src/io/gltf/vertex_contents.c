@@ -25,26 +25,6 @@ size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p) {
 
 /* ---- copies */
 
-norma_document_result norma_gltf_copy_rows(gltf *g, uint32_t accessor, size_t kept,
-    const uint32_t *sources, size_t count, gltf_data *data, norma_document_error *error) {
-    gltf_array array;
-    const size_t size = g->accessors[accessor].element_size;
-    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
-    if (result) return result;
-    *data = (gltf_data){.component = array.component,
-        .normalized = array.normalized,
-        .width = array.width,
-        .element_size = size,
-        .count = count,
-        .bytes = norma_io_block(count, size)};
-    if (!data->bytes) return norma_document_fail_memory(g->document, error);
-    if (array.stride == size) memcpy(data->bytes, array.data, kept * size);
-    for (size_t v = array.stride == size ? kept : 0; v < count; ++v)
-        memcpy(data->bytes + v * size,
-            array.data + (v < kept ? v : sources[v - kept]) * array.stride, size);
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result copy_attribute(gltf *g, uint32_t primitive, int32_t target,
     const gltf_attribute *attribute, const norma_mesh_edit *edit, norma_document_error *error) {
     gltf_data data;
