@@ -208,6 +208,25 @@ static void test_joint_out_of_range(void **state) {
     asset_free(&a);
 }
 
+/* Its values are as many as it likes, but no joints. */
+static void test_joints_no_list(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    norma_drawn_mesh drawn;
+    norma_document_error error;
+    add_skin(&a, 1);
+    norma_document *document = asset_open(&a,
+        PRIMITIVE("") ",\"JOINTS_0\":3,\"WEIGHTS_0\":4}}]}],"
+                      "\"skins\":[{\"joints\":{\"a\":1,\"b\":1,\"c\":1}}],"
+                      "\"nodes\":[{\"mesh\":0,\"skin\":0},{}]",
+        0);
+    assert_int_equal(norma_document_drawn_mesh(document, 0, 0, 0, &drawn, &error),
+        NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_non_null(strstr(error.message, "/skins/0/joints: expected an array"));
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 /* ---- images of materials */
 
 static const char materials[] =
@@ -408,6 +427,7 @@ int main(void) {
         cmocka_unit_test(test_far_skin),
         cmocka_unit_test(test_unusable_joints),
         cmocka_unit_test(test_joint_out_of_range),
+        cmocka_unit_test(test_joints_no_list),
         cmocka_unit_test(test_memory_of_influences),
         cmocka_unit_test(test_maps),
         cmocka_unit_test(test_texcoords),
