@@ -1,14 +1,38 @@
 /* image.c: images by libpng and libjpeg: read row by row, and normal maps with their green channel
  * inverted. */
-#include "io/image/png_memory.h"
 #include "io/image/image.h"
+#include <stdio.h>
+
 #include <jerror.h>
 #include <jpeglib.h>
 #include <png.h>
 #include <setjmp.h>
-#include <stdio.h> /* jpeglib.h needs it before */
 #include <stdlib.h>
 #include <string.h>
+
+enum { IMAGE_MOST_SIDE = 1 << 14 };
+
+typedef struct image_raster { /* an image as PNG stores it: rows of samples, high bytes first */
+    size_t width, height, stride;
+    int depth, color_type, interlace; /* as in IHDR */
+    int is_srgb;           /* it says so; four samples a pixel, of which RGB leaves the last out */
+    unsigned char *pixels; /* the caller's to free */
+} image_raster;
+
+/* A header may say that an image is larger than memory, and a deflated byte can become a thousand.
+ * Whether a file of size bytes may have so many bytes of an image decoded; held at once. */
+static int image_may_decode(size_t size, size_t bytes) {
+    return bytes <= ((size_t)1 << 26) + 128 * size;
+}
+static int image_may_hold(size_t size, size_t bytes) {
+    return bytes <= ((size_t)1 << 20) + 256 * size;
+}
+
+typedef struct png_source {
+    const unsigned char *bytes;
+    size_t size, at;
+    image_result result;
+} png_source;
 
 /* ---- Libpng's setjmp, longjmp and callbacks, for all who read or write PNG. */
 
@@ -74,8 +98,34 @@ static void image_append(png_structp png, png_bytep bytes, png_size_t size) {
 }
 static void flush(png_structp png) { (void)png; }
 
-image_result norma_png_write(growing_bytes *out,
-    void (*write)(png_structp png, png_infop info, const void *job), const void *job) {
+static image_raster raster_of(unsigned char *pixels, size_t width, size_t height, int color_type) {
+    return (image_raster){.width = width,
+        .height = height,
+        .stride = (color_type == PNG_COLOR_TYPE_RGB ? 3 : 4) * width,
+        .depth = 8,
+        .color_type = color_type,
+        .interlace = PNG_INTERLACE_NONE,
+        .pixels = pixels};
+}
+
+static void image_write_rows(png_structp png, png_infop info, const image_raster *r) {
+    png_set_IHDR(png, info, (png_uint_32)r->width, (png_uint_32)r->height, r->depth, r->color_type,
+        r->interlace, PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+    if (r->is_srgb) {
+        png_set_filter(
+            png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB); /* even surfaces: as small as with a choice
+                                                           for each row, in less time */
+        png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    }
+    png_write_info(png, info);
+    if (r->is_srgb && r->color_type == PNG_COLOR_TYPE_RGB) png_set_filler(png, 0, PNG_FILLER_AFTER);
+    for (int passes = png_set_interlace_handling(png); passes > 0; --passes)
+        for (size_t y = 0; y < r->height; ++y) png_write_row(png, r->pixels + y * r->stride);
+    png_write_end(png, info);
+}
+
+/* Samples without a word beside them, unless they are sRGB. The only failure is IMAGE_MEMORY. */
+static image_result image_write_png(const image_raster *raster, growing_bytes *out) {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, fail_png, ignore);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info || setjmp(png_jmpbuf(png))) {
@@ -83,7 +133,7 @@ image_result norma_png_write(growing_bytes *out,
         return IMAGE_MEMORY;
     }
     png_set_write_fn(png, out, image_append, flush);
-    write(png, info, job);
+    image_write_rows(png, info, raster);
     png_destroy_write_struct(&png, &info);
     return IMAGE_OK;
 }
@@ -113,7 +163,7 @@ static void expand(png_structp png, png_infop info, int channels) {
 static void read_header(png_structp png, png_infop info, png_reading *job) {
     job->width = png_get_image_width(png, info);
     job->height = png_get_image_height(png, info);
-    if (!norma_image_may_decode(job->source.size, png_get_rowbytes(png, info) * job->height))
+    if (!image_may_decode(job->source.size, png_get_rowbytes(png, info) * job->height))
         png_give_up(png, IMAGE_TOO_LARGE);
     expand(png, info, job->sink->channels);
     if (png_get_rowbytes(png, info) != (size_t)job->sink->channels * job->width)
@@ -138,7 +188,7 @@ static void read_passes(png_structp png, png_reading *job, int passes) {
 static void read_pixels(png_structp png, png_infop info, png_reading *job) {
     const int interlaced = png_get_interlace_type(png, info) != PNG_INTERLACE_NONE;
     const size_t stride = (size_t)job->sink->channels * job->width;
-    if (interlaced && !norma_image_may_hold(job->source.size, stride * job->height))
+    if (interlaced && !image_may_hold(job->source.size, stride * job->height))
         png_give_up(png, IMAGE_TOO_LARGE);
     job->pixels = malloc(stride * (interlaced ? job->height : 1));
     if (!job->pixels || !job->sink->begin(job->sink->user, job->width, job->height))
@@ -199,8 +249,8 @@ static void begin_jpeg(struct jpeg_decompress_struct *jpeg, jpeg_job *job) {
         image_give_up(jpeg, job, IMAGE_CMYK);
     const size_t width = jpeg->image_width, height = jpeg->image_height;
     if (width > IMAGE_MOST_SIDE || height > IMAGE_MOST_SIDE ||
-        !norma_image_may_decode(job->size, 3 * width * height) ||
-        (jpeg_has_multiple_scans(jpeg) && !norma_image_may_hold(job->size, 6 * width * height)))
+        !image_may_decode(job->size, 3 * width * height) ||
+        (jpeg_has_multiple_scans(jpeg) && !image_may_hold(job->size, 6 * width * height)))
         image_give_up(jpeg, job, IMAGE_TOO_LARGE);
     jpeg->out_color_space = JCS_RGB;
     jpeg->dct_method = JDCT_ISLOW;
@@ -255,22 +305,6 @@ static image_result image_read_jpeg(
     return job.result;
 }
 
-/* ---- Samples as a PNG, without a word beside them. */
-
-static void image_write_rows(png_structp png, png_infop info, const void *raster) {
-    const image_raster *r = raster;
-    png_set_IHDR(png, info, (png_uint_32)r->width, (png_uint_32)r->height, r->depth, r->color_type,
-        r->interlace, PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
-    png_write_info(png, info);
-    for (int passes = png_set_interlace_handling(png); passes > 0; --passes)
-        for (size_t y = 0; y < r->height; ++y) png_write_row(png, r->pixels + y * r->stride);
-    png_write_end(png, info);
-}
-
-static image_result image_write_png(const image_raster *raster, growing_bytes *out) {
-    return norma_png_write(out, image_write_rows, raster);
-}
-
 /* ---- A PNG with its green channel inverted. The pixels alone are encoded anew, at the same
  * depth, kind and interlacing; of a palette its entries change and the pixels stay. Every other
  * chunk keeps its bytes, except those that PNG asks an editor to drop: unknown ones that are not
@@ -294,7 +328,7 @@ static void read_raster(png_structp png, png_infop info, void *user) {
     r->depth = png_get_bit_depth(png, info);
     r->color_type = png_get_color_type(png, info);
     r->interlace = png_get_interlace_type(png, info);
-    if (!norma_image_may_decode(job->source.size, r->stride * r->height))
+    if (!image_may_decode(job->source.size, r->stride * r->height))
         png_give_up(png, IMAGE_TOO_LARGE);
     r->pixels = malloc(r->stride * r->height);
     if (!r->pixels) png_give_up(png, IMAGE_MEMORY);
@@ -426,13 +460,7 @@ static image_result image_turn_png(const unsigned char *bytes, size_t size, grow
 
 static int begin_turned(void *user, size_t width, size_t height) {
     image_raster *r = user;
-    *r = (image_raster){.width = width,
-        .height = height,
-        .stride = 3 * width,
-        .depth = 8,
-        .color_type = PNG_COLOR_TYPE_RGB,
-        .interlace = PNG_INTERLACE_NONE,
-        .pixels = malloc(3 * width * height)};
+    *r = raster_of(malloc(3 * width * height), width, height, PNG_COLOR_TYPE_RGB);
     return r->pixels != NULL;
 }
 
@@ -456,12 +484,19 @@ static image_result image_turn_jpeg(const unsigned char *bytes, size_t size, gro
 
 image_result norma_image_write(
     const uint8_t *pixels, size_t width, size_t height, growing_bytes *out) {
-    const image_raster raster = {.width = width,
-        .height = height,
-        .stride = 3 * width,
-        .depth = 8,
-        .color_type = PNG_COLOR_TYPE_RGB,
-        .pixels = (unsigned char *)pixels};
+    const image_raster raster =
+        raster_of((unsigned char *)pixels, width, height, PNG_COLOR_TYPE_RGB);
+    return image_write_png(&raster, out);
+}
+
+image_result norma_image_write_srgb(
+    const uint8_t *pixels, size_t width, size_t height, growing_bytes *out) {
+    size_t opaque = 0;
+    image_raster raster =
+        raster_of((unsigned char *)pixels, width, height, PNG_COLOR_TYPE_RGB_ALPHA);
+    raster.is_srgb = 1;
+    while (opaque < width * height && pixels[4 * opaque + 3] == 255) ++opaque;
+    if (opaque == width * height) raster.color_type = PNG_COLOR_TYPE_RGB;
     return image_write_png(&raster, out);
 }
 

@@ -27,7 +27,20 @@ typedef enum image_result {
 
 /* Rows may have been given before it fails. The same bytes give the same pixels. */
 image_result norma_image_read(const unsigned char *bytes, size_t size, const image_sink *sink);
-const char *norma_image_text(image_result result); /* what is wrong with it */
+
+#if defined(__wasm__)
+#define IMAGE_LEFT_OUT_TEXT "Norma reads images on the command line only"
+#else
+#define IMAGE_LEFT_OUT_TEXT "this Norma was built without libpng and libjpeg"
+#endif
+/* What is wrong with it. Inline: the tool has it without the library's image.c. */
+static inline const char *norma_image_text(image_result result) {
+    static const char *const texts[] = {"it was read", "it is neither PNG nor JPEG",
+        "it is malformed or cut off", "it is implausibly large for the size of its file",
+        "out of memory", "it is grey, or stored in another way than as red, green and blue",
+        "it is a JPEG in CMYK, not in red, green and blue", IMAGE_LEFT_OUT_TEXT};
+    return texts[result];
+}
 
 /* The same image as a PNG whose green channel is inverted, its size, depth, alpha and all other
  * data kept; what a JPEG decodes to becomes a PNG of eight bits, so that nothing more is lost.
@@ -36,24 +49,9 @@ image_result norma_image_turn_green(const unsigned char *bytes, size_t size, gro
 /* Rows of red, green and blue, eight bits each, as a PNG; out as above. */
 image_result norma_image_write(
     const uint8_t *pixels, size_t width, size_t height, growing_bytes *out);
+/* Rows of red, green, blue and alpha as a PNG that says it is sRGB, without alpha where all of it
+ * is opaque; out as above. Not where the library is built without libpng. */
+image_result norma_image_write_srgb(
+    const uint8_t *pixels, size_t width, size_t height, growing_bytes *out);
 int norma_image_is_png(const unsigned char *bytes, size_t size);
-
-/* ---- within this room */
-
-enum { IMAGE_MOST_SIDE = 1 << 14 };
-
-typedef struct image_raster { /* an image as PNG stores it: rows of samples, high bytes first */
-    size_t width, height, stride;
-    int depth, color_type, interlace; /* as in IHDR */
-    unsigned char *pixels;            /* the caller's to free */
-} image_raster;
-
-/* A header may say that an image is larger than memory, and a deflated byte can become a thousand.
- * Whether a file of size bytes may have so many bytes of an image decoded; held at once. */
-static inline int norma_image_may_decode(size_t size, size_t bytes) {
-    return bytes <= ((size_t)1 << 26) + 128 * size;
-}
-static inline int norma_image_may_hold(size_t size, size_t bytes) {
-    return bytes <= ((size_t)1 << 20) + 256 * size;
-}
 #endif

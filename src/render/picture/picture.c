@@ -1,7 +1,6 @@
 /* picture.c: pictures in memory: letters on them, and PNG files of them. */
 #include "render/picture/picture.h"
 #include "io/image/image.h"
-#include "io/image/png_memory.h"
 #include "render/picture/outlines.h"
 #include <stdarg.h>
 #include <stdio.h>
@@ -191,32 +190,11 @@ void render_text_draw(render_picture *picture, const char *text, double x, doubl
 
 /* ---- A picture as PNG bytes in memory. Its chunk sRGB says what the numbers mean. */
 
-static int is_opaque(const render_picture *picture) {
-    for (size_t i = 0; i < picture->width * picture->height; ++i)
-        if (picture->pixels[4 * i + 3] != 255) return 0;
-    return 1;
-}
-
-static void write_png_rows(png_structp png, png_infop info, const void *job) {
-    const render_picture *picture = job;
-    const int opaque = is_opaque(picture);
-    png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8,
-        opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
-        PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_filter(png, PNG_FILTER_TYPE_BASE,
-        PNG_FILTER_SUB); /* even surfaces: as small as with a choice for each row, in less time */
-    png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    png_write_info(png, info);
-    if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);
-    for (size_t y = 0; y < picture->height; ++y)
-        png_write_row(png, picture->pixels + 4 * y * picture->width);
-    png_write_end(png, info);
-}
-
 enum render_result render_png_encode(
     const render_picture *picture, render_png *out, render_error *error) {
     growing_bytes bytes = {0};
-    const int failed = norma_png_write(&bytes, write_png_rows, picture) != IMAGE_OK;
+    const int failed = norma_image_write_srgb(
+                           picture->pixels, picture->width, picture->height, &bytes) != IMAGE_OK;
     if (failed) {
         free(bytes.data);
         bytes = (growing_bytes){0};
