@@ -2,7 +2,7 @@
  * a height field in closed form, distorted as engines, browsers and people distort pictures. */
 #ifndef NORMA_TESTS_ACID_SHOTS_H
 #define NORMA_TESTS_ACID_SHOTS_H
-#include "acid/acid_judge.h"
+#include "acid/acid.h"
 
 enum { ACID_CURVES = 4 };
 extern const char *const acid_curve_names[ACID_CURVES];

@@ -1,8 +1,7 @@
 /* lesson_cells.c: the cells of the acid scenes for the page: of each, the right patch and one for
  * each mistake, in numbers and in words. */
 #include "../../package/wasm/exports.h"
-#include "acid/acid_mesh.h"
-#include "acid/acid_mistakes.h"
+#include "acid/acid.h"
 #include <stdlib.h>
 
 /* Three numbers for each point; normals are as long as the mistake leaves them: zero where they are

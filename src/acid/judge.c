@@ -1,4 +1,4 @@
-/* acid_judge.c: which reference each subject of an acid scene looks like, in the picture's own
+/* judge.c: which reference each subject of an acid scene looks like, in the picture's own
  * colours.
  *
  * Each patch is resampled to one small square of means, whatever its size in the picture. The
@@ -17,7 +17,7 @@
  *
  * Mistakes that give one picture in a cell are told apart by a cell in which they do not.
  */
-#include "acid/acid_judge.h"
+#include "acid/acid.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,17 +73,11 @@ static int add_sample(const judging *j, const double unit[2], double sum[3]) {
 
 /* The longer side of a box in pixels, and the shorter one. */
 static void box_pixels(const acid_map *map, const acid_box *box, double *longer, double *shorter) {
-    double sides[2];
-    for (int k = 0; k < 2; ++k) {
-        double from[2] = {box->center[0], box->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
-        from[k] -= box->size[k] / 2;
-        to[k] += box->size[k] / 2;
-        acid_map_point(map, from, a);
-        acid_map_point(map, to, b);
-        sides[k] = hypot(b[0] - a[0], b[1] - a[1]);
-    }
-    *longer = fmax(sides[0], sides[1]);
-    *shorter = fmin(sides[0], sides[1]);
+    double sides[2][2];
+    acid_map_sides(map, box, sides);
+    const double a = hypot(sides[0][0], sides[0][1]), b = hypot(sides[1][0], sides[1][1]);
+    *longer = fmax(a, b);
+    *shorter = fmin(a, b);
 }
 
 /* beside: by how many pixels it is sampled to the right and below. */
@@ -407,18 +401,22 @@ static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) 
         finding->verdict = finding->nearest == 0 ? ACID_PASS : ACID_FAIL;
 }
 
-static void judge_row(judging *j, const acid_row *row, acid_finding *finding) {
-    if (!take_row_swatches(j, row)) {
-        unclear(finding, ACID_REASON_OUTSIDE);
-        return;
-    }
+/* Whether there is something to compare: all patches lie in the picture, and are drawn. */
+static int find_drawn(judging *j, const acid_row *row, acid_finding *finding) {
+    finding->reason = ACID_REASON_OUTSIDE;
+    if (!take_row_swatches(j, row)) return 0;
     const acid_verdict drawn = verdict_if_drawn(j, row);
-    if (drawn == ACID_UNCLEAR)
-        unclear(finding, ACID_REASON_NOT_DRAWN);
-    else if (drawn == ACID_MISSING)
-        judge_missing(j, row, finding);
-    else
+    finding->reason = drawn == ACID_UNCLEAR ? ACID_REASON_NOT_DRAWN : ACID_REASON_NONE;
+    if (drawn == ACID_MISSING) finding->verdict = ACID_MISSING;
+    return drawn == ACID_PASS;
+}
+
+static void judge_row(judging *j, const acid_row *row, acid_finding *finding) {
+    finding->verdict = ACID_UNCLEAR;
+    if (find_drawn(j, row, finding))
         judge_drawn(j, row, finding);
+    else if (finding->verdict == ACID_MISSING)
+        judge_missing(j, row, finding);
 }
 
 /* ---- the control: without it, nothing is known of the picture */
@@ -431,19 +429,7 @@ static const acid_row *find_control(const acid_layout *layout, size_t *at) {
 
 static void judge_control(judging *j, const acid_row *row, acid_finding *finding) {
     finding->verdict = ACID_FAIL;
-    if (!take_row_swatches(j, row)) {
-        finding->reason = ACID_REASON_OUTSIDE;
-        return;
-    }
-    const acid_verdict drawn = verdict_if_drawn(j, row);
-    if (drawn == ACID_UNCLEAR) {
-        finding->reason = ACID_REASON_NOT_DRAWN;
-        return;
-    }
-    if (drawn == ACID_MISSING) {
-        finding->verdict = ACID_MISSING;
-        return;
-    }
+    if (!find_drawn(j, row, finding)) return;
     double shift[2];
     finding->distances[0] = swatch_distance(j, &j->subject, &j->references[0], shift);
     finding->apart = contrast(j, &j->references[0]);
@@ -469,19 +455,16 @@ static int choose_side(judging *j) {
     return least >= LEAST_SIDE;
 }
 
+/* All of them in one block, which begins with the subject's. */
 static int allocate_swatches(judging *j) {
-    const size_t size = (size_t)j->side * (size_t)j->side;
-    int there = (j->subject.colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
-    there &= (j->beside.colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
-    for (int i = 0; i < ACID_MOST_REFERENCES; ++i)
-        there &= (j->references[i].colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
-    return there;
-}
-
-static void free_swatches(judging *j) {
-    free(j->subject.colors);
-    free(j->beside.colors);
-    for (int i = 0; i < ACID_MOST_REFERENCES; ++i) free(j->references[i].colors);
+    const size_t size = 3 * (size_t)j->side * (size_t)j->side;
+    float *block = norma_io_allocate(size, (ACID_MOST_REFERENCES + 2) * sizeof *block);
+    if (!block) return 0;
+    j->subject.colors = block;
+    j->beside.colors = block + size;
+    for (size_t i = 0; i < ACID_MOST_REFERENCES; ++i)
+        j->references[i].colors = block + (2 + i) * size;
+    return 1;
 }
 
 /* ---- mistakes that give one picture in a cell */
@@ -554,10 +537,84 @@ int acid_judge(const acid_picture *picture, const acid_layout *layout, const aci
     const int there = allocate_swatches(&j) && judgement->findings;
     for (size_t i = 0; i < layout->row_count && there; ++i) judgement->findings[i].nearest = -1;
     if (there) judge_rows(&j, is_large, judgement);
-    free_swatches(&j);
+    free(j.subject.colors);
     if (!there) {
         free(judgement->findings);
         judgement->findings = NULL;
     }
     return there;
+}
+
+/* ---- reading */
+
+static int begin_picture(void *user, size_t width, size_t height) {
+    acid_picture *picture = user;
+    *picture = (acid_picture){width, height, norma_io_allocate(width * height, 3)};
+    return picture->pixels != NULL;
+}
+
+static void take_row(void *user, size_t y, const uint8_t *pixels) {
+    acid_picture *picture = user;
+    uint8_t *to = picture->pixels + 3 * picture->width * y;
+    for (size_t x = 0; x < picture->width; ++x)
+        for (size_t k = 0; k < 3; ++k)
+            to[3 * x + k] = (uint8_t)((pixels[4 * x + k] * pixels[4 * x + 3] + 127) / 255);
+}
+
+image_result acid_read_picture(const unsigned char *bytes, size_t size, acid_picture *picture) {
+    const image_sink sink = {4, begin_picture, take_row, picture};
+    *picture = (acid_picture){0};
+    const image_result result = norma_image_read(bytes, size, &sink);
+    if (result) {
+        free(picture->pixels);
+        *picture = (acid_picture){0};
+    }
+    return result;
+}
+
+int acid_write_picture(const acid_picture *picture, growing_bytes *png) {
+    return norma_image_write(picture->pixels, picture->width, picture->height, png) == IMAGE_OK;
+}
+
+/* ---- frames */
+
+static void paint_dot(
+    acid_picture *picture, double x, double y, double radius, const uint8_t color[3]) {
+    const long left = lround(x - radius), top = lround(y - radius), side = lround(2 * radius);
+    for (long row = top; row < top + side; ++row)
+        for (long column = left; column < left + side; ++column) {
+            if (row < 0 || column < 0 || row >= (long)picture->height ||
+                column >= (long)picture->width)
+                continue;
+            uint8_t *pixel = picture->pixels + 3 * ((size_t)row * picture->width + (size_t)column);
+            for (int k = 0; k < 3; ++k) pixel[k] = color[k];
+        }
+}
+
+static void frame_box(
+    acid_picture *picture, const acid_map *map, const acid_box *box, const uint8_t color[3]) {
+    static const double corners[5][2] = {
+        {-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}};
+    double pixels[5][2];
+    for (int i = 0; i < 5; ++i) {
+        const double unit[2] = {box->center[0] + 1.06 * corners[i][0] * box->size[0],
+            box->center[1] + 1.06 * corners[i][1] * box->size[1]};
+        acid_map_point(map, unit, pixels[i]);
+    }
+    for (int i = 0; i < 4; ++i) {
+        const double dx = pixels[i + 1][0] - pixels[i][0], dy = pixels[i + 1][1] - pixels[i][1],
+                     length = hypot(dx, dy), radius = fmax(1, length / 40);
+        if (!(length < 4.0 * (double)(picture->width + picture->height))) return;
+        for (double t = 0; t <= length; t += 0.5)
+            paint_dot(picture, pixels[i][0] + dx * t / length, pixels[i][1] + dy * t / length,
+                radius, color);
+    }
+}
+
+void acid_frame(acid_picture *picture, const acid_layout *layout, const acid_map *map,
+    const acid_judgement *judgement) {
+    static const uint8_t colors[ACID_VERDICTS][3] = {
+        {0, 200, 60}, {230, 20, 20}, {150, 150, 150}, {230, 20, 20}, {150, 150, 150}};
+    for (size_t i = 0; i < layout->row_count; ++i)
+        frame_box(picture, map, &layout->rows[i].subject, colors[judgement->findings[i].verdict]);
 }

@@ -1,10 +1,99 @@
-/* acid_mesh.c: meshes of patches. A subject's mesh is the surface taken back through the transform
- * that its node, instance, skin or morph applies: positions by the inverse, normals by the
- * transpose. A reference is that mesh posed in numbers, as a renderer would that makes one mistake.
- */
-#include "acid/acid_mesh.h"
+/* mesh.c: meshes of patches, and small pictures of them. A subject's mesh is the surface taken back
+ * through the transform that its node, instance, skin or morph applies: positions by the inverse,
+ * normals by the transpose. A reference is that mesh posed in numbers, as a renderer would that
+ * makes one mistake. */
+#include "acid/acid.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- vectors and 3x3 matrices of doubles: sums, products, quotients and square roots only, which
+ * give the same bits everywhere */
+
+typedef struct acid_matrix {
+    acid_vector column[3];
+} acid_matrix;
+
+static acid_vector acid_scaled(acid_vector a, double s) {
+    return (acid_vector){s * a.x, s * a.y, s * a.z};
+}
+static acid_vector acid_sum(acid_vector a, acid_vector b) {
+    return (acid_vector){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static acid_vector acid_minus(acid_vector a, acid_vector b) {
+    return (acid_vector){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static double acid_dot(acid_vector a, acid_vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static acid_vector acid_cross(acid_vector a, acid_vector b) {
+    return (acid_vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+static double acid_length(acid_vector a) { return sqrt(acid_dot(a, a)); }
+static acid_vector acid_unit(acid_vector a) { return acid_scaled(a, 1 / acid_length(a)); }
+
+static acid_vector acid_times(const acid_matrix *m, acid_vector v) {
+    return acid_sum(acid_sum(acid_scaled(m->column[0], v.x), acid_scaled(m->column[1], v.y)),
+        acid_scaled(m->column[2], v.z));
+}
+static acid_vector acid_transposed_times(const acid_matrix *m, acid_vector v) {
+    return (acid_vector){
+        acid_dot(m->column[0], v), acid_dot(m->column[1], v), acid_dot(m->column[2], v)};
+}
+static acid_matrix acid_product(const acid_matrix *a, const acid_matrix *b) {
+    return (acid_matrix){
+        {acid_times(a, b->column[0]), acid_times(a, b->column[1]), acid_times(a, b->column[2])}};
+}
+static acid_matrix acid_cofactors(const acid_matrix *m) {
+    return (acid_matrix){{acid_cross(m->column[1], m->column[2]),
+        acid_cross(m->column[2], m->column[0]), acid_cross(m->column[0], m->column[1])}};
+}
+static double acid_determinant(const acid_matrix *m) {
+    return acid_dot(m->column[0], acid_cross(m->column[1], m->column[2]));
+}
+/* The transpose of the cofactors over the determinant, times v. */
+static acid_vector acid_solve(const acid_matrix *m, acid_vector v) {
+    const acid_matrix c = acid_cofactors(m);
+    return acid_scaled(acid_transposed_times(&c, v), 1 / acid_determinant(m));
+}
+
+/* ---- the height field: an egg with a ridge and a dent, like none of its mirror images or turns */
+
+/* Over the square from -1 to 1 in x and y, and its slopes. */
+typedef struct acid_relief {
+    double height, along_x, along_y;
+} acid_relief;
+
+/* sin 30 degrees to +x, and at 120 and 240 degrees from there. */
+const acid_vector acid_lights[ACID_LIGHTS] = {
+    {0.5, 0, 0.86602540378443865},
+    {-0.25, 0.43301270189221932, 0.86602540378443865},
+    {-0.25, -0.43301270189221932, 0.86602540378443865},
+};
+
+/* height / (1 + steepness q)^2, q a square, and the slope of that by q. */
+static double bump(double height, double steepness, double q, double *by_q) {
+    const double d = 1 / (1 + steepness * q), d2 = d * d;
+    *by_q = -2 * steepness * height * d2 * d;
+    return height * d2;
+}
+
+static acid_relief acid_surface(double x, double y) {
+    acid_relief relief = {0.36 - 0.44 * x * x - 0.36 * y * y - 0.10 * x * x * x + 0.08 * x * y * y,
+        -0.88 * x - 0.30 * x * x + 0.08 * y * y, -0.72 * y + 0.16 * x * y};
+    const double across = y - 0.5 * x - 0.35; /* the ridge */
+    double by_q;
+    relief.height += bump(0.16, 9, across * across, &by_q);
+    relief.along_x += by_q * -1.0 * across;
+    relief.along_y += by_q * 2.0 * across;
+    const double dx = x - 0.30, dy = y + 0.40; /* the dent */
+    relief.height += bump(-0.30, 5, dx * dx + dy * dy, &by_q);
+    relief.along_x += by_q * 2 * dx;
+    relief.along_y += by_q * 2 * dy;
+    return relief;
+}
+
+static acid_vector acid_surface_normal(const acid_relief *relief) {
+    return acid_unit((acid_vector){-relief->along_x, -relief->along_y, 1});
+}
 
 /* ---- a patch's memory */
 
@@ -90,6 +179,18 @@ static double facet_height(int column, int row) {
 }
 
 /* ---- the transform that acts on a vertex */
+
+static acid_matrix acid_step_matrix(const acid_step *step) {
+    double q[4];
+    acid_step_rotation(step, q);
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    const acid_matrix turn = {{{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+        {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+        {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}}};
+    acid_matrix m;
+    for (int k = 0; k < 3; ++k) m.column[k] = acid_scaled(turn.column[k], step->scale[k]);
+    return m;
+}
 
 static double joint_weight(double x) { return 0.5 - 0.25 * x; } /* of the first of two */
 
@@ -200,7 +301,7 @@ static void write_texel(
 static size_t place_texel(
     const acid_cell *cell, const acid_patch *patch, size_t column, size_t row, float uv[2]) {
     const size_t from =
-        (size_t)(cell->mirrored_from < 0 ? (int)patch->columns : cell->mirrored_from + 1);
+        (size_t)(cell->mirrored_from ? cell->mirrored_from + 1 : (int)patch->columns);
     const size_t i = column < from ? column : patch->columns - 1 - (column - from),
                  j = patch->rows - 1 - row;
     uv[0] = (float)(((double)i + 0.5) / (double)patch->columns);
@@ -233,7 +334,7 @@ static void write_indices(const acid_cell *cell, acid_patch *patch) {
     uint16_t *at = patch->indices;
     for (size_t row = 0; row + 1 < patch->rows; ++row)
         for (size_t column = 0; column + 1 < patch->columns; ++column) {
-            if (cell->mirrored_from >= 0 && column == seam) continue;
+            if (cell->mirrored_from && column == seam) continue;
             const size_t a = row * patch->columns + column, c = a + 1 + patch->columns;
             const size_t corners[6] = {a, a + 1, c, a, c, a + patch->columns};
             for (size_t k = 0; k < 6; ++k)
@@ -244,7 +345,7 @@ static void write_indices(const acid_cell *cell, acid_patch *patch) {
 
 static void make_vertex(
     const acid_cell *cell, acid_patch *patch, size_t column, size_t row, acid_vertex *vertex) {
-    const int mirrored = cell->mirrored_from >= 0 && (int)column > cell->mirrored_from;
+    const int mirrored = cell->mirrored_from && (int)column > cell->mirrored_from;
     const double direction = mirrored ? -1 : 1;
     const int i = (int)column - mirrored;
     const acid_spot spot = surface_spot(
@@ -265,7 +366,7 @@ static void make_vertex(
 
 int acid_make_subject(const acid_cell *cell, acid_patch *patch) {
     const size_t quads = (size_t)quads_across(cell), rows = quads + 1,
-                 columns = rows + (cell->mirrored_from >= 0);
+                 columns = rows + (cell->mirrored_from > 0);
     const int made = allocate_patch(patch, columns * rows, 6 * quads * quads);
     patch->columns = columns;
     patch->rows = rows;
@@ -461,4 +562,57 @@ int acid_make_reference(
                                       : make_flat_faces(subject, patch);
     if (!made) acid_free_patch(patch);
     return made;
+}
+
+/* ---- a patch as a small picture, seen from +z in the lights of the scene. Square roots encode it,
+ * not sRGB's powers: the same bytes everywhere */
+
+static void shade(const acid_patch *patch, double white, const acid_vertex *const corners[3],
+    const double shares[3], uint8_t pixel[3]) {
+    double n[3] = {0}, color[3] = {0};
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            n[k] += shares[i] * (double)corners[i]->normal[k];
+            color[k] += shares[i] * (double)corners[i]->color[k];
+        }
+    const acid_vector normal = acid_unit((acid_vector){n[0], n[1], n[2]});
+    for (int k = 0; k < ACID_LIGHTS; ++k) {
+        const double lit =
+            (patch->has_color ? color[k] : white) * fmax(0, acid_dot(acid_lights[k], normal));
+        pixel[k] = (uint8_t)(255 * sqrt(fmin(1, lit)) + 0.5);
+    }
+}
+
+/* Of a and b about c: twice their triangle's area, above 0 if they run counterclockwise. */
+static double area_of(const double a[2], const double b[2], const double c[2]) {
+    return (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0]);
+}
+
+static void draw_triangle(
+    const acid_patch *patch, double white, const uint16_t *indices, int side, uint8_t *pixels) {
+    const acid_vertex *corners[3];
+    double at[3][2], low[2] = {side, side}, high[2] = {0, 0};
+    for (int i = 0; i < 3; ++i) {
+        corners[i] = &patch->vertices[indices[i]];
+        for (int k = 0; k < 2; ++k) {
+            const double along = (double)corners[i]->position[k] / (2 * ACID_HALF);
+            at[i][k] = side * (k ? 0.5 - along : 0.5 + along);
+            low[k] = fmax(0, fmin(low[k], floor(at[i][k])));
+            high[k] = fmin(side, fmax(high[k], ceil(at[i][k])));
+        }
+    }
+    const double area = area_of(at[0], at[1], at[2]);
+    for (int y = (int)low[1]; y < (int)high[1] && area != 0; ++y)
+        for (int x = (int)low[0]; x < (int)high[0]; ++x) {
+            const double p[2] = {x + 0.5, y + 0.5},
+                         shares[3] = {area_of(at[1], at[2], p) / area,
+                             area_of(at[2], at[0], p) / area, area_of(at[0], at[1], p) / area};
+            if (fmin(shares[0], fmin(shares[1], shares[2])) >= 0)
+                shade(patch, white, corners, shares, pixels + 3 * (y * side + x));
+        }
+}
+
+void acid_draw_patch(const acid_patch *patch, double white, int side, uint8_t *pixels) {
+    for (size_t i = 0; i < patch->index_count; i += 3)
+        draw_triangle(patch, white, patch->indices + i, side, pixels);
 }

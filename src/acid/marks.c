@@ -1,4 +1,4 @@
-/* acid_marks.c: finds the four marks of an acid scene in a picture of any size, by their hues,
+/* marks.c: finds the four marks of an acid scene in a picture of any size, by their hues,
  * their shapes and their places to each other.
  *
  * One pass over the rows joins neighbouring pixels of one hue and nearly one colour to spots (two
@@ -6,7 +6,7 @@
  * are those of a parallelogram. Four are the marks if the homography of their middles predicts the
  * moments of each. Of several such choices the largest is taken: the marks are the scene's corners,
  * so that what looks like them by accident lies between them and is smaller. */
-#include "acid/acid_judge.h"
+#include "acid/acid.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,21 +84,22 @@ static void add_sums(spot *to, const spot *from) {
     for (int k = 0; k < 3; ++k) to->level[k] += from->level[k];
 }
 
-static void add_pixel(spot *to, double x, double y, const uint8_t pixel[3]) {
-    to->count += 1;
-    to->x += x;
-    to->y += y;
-    to->xx += x * x;
-    to->xy += x * y;
-    to->yy += y * y;
-    for (int k = 0; k < 3; ++k) to->level[k] += pixel[k];
+/* part: how much of it the spot covers. */
+static void add_pixel(spot *to, size_t column, size_t row, double part, const uint8_t pixel[3]) {
+    const double x = (double)column + 0.5, y = (double)row + 0.5;
+    to->count += part;
+    to->x += part * x;
+    to->y += part * y;
+    to->xx += part * x * x;
+    to->xy += part * x * y;
+    to->yy += part * y * y;
+    for (int k = 0; k < 3; ++k) to->level[k] += part * pixel[k];
 }
 
 static spot spot_of_run(const acid_picture *picture, const run *r, size_t y) {
     spot s = {.last_row = y, .color = r->color};
     const uint8_t *row = picture->pixels + 3 * picture->width * y;
-    for (size_t x = r->begin; x < r->end; ++x)
-        add_pixel(&s, (double)x + 0.5, (double)y + 0.5, row + 3 * x);
+    for (size_t x = r->begin; x < r->end; ++x) add_pixel(&s, x, y, 1, row + 3 * x);
     return s;
 }
 
@@ -271,26 +272,12 @@ static void measure_spot(const acid_picture *picture, spot *s) {
     spot sum = {.color = s->color};
     if (w.right - w.left > 512 || w.bottom - w.top > 512) return;
     find_colors(picture, s, &w, border, middle);
-    for (long y = w.top; y < w.bottom; ++y)
-        for (long x = w.left; x < w.right; ++x) {
-            const double u = (double)x + 0.5, v = (double)y + 0.5,
-                         part = part_covered(
-                             picture->pixels + 3 * ((size_t)y * picture->width + (size_t)x), border,
-                             middle);
-            sum.count += part;
-            sum.x += part * u;
-            sum.y += part * v;
-            sum.xx += part * u * u;
-            sum.xy += part * u * v;
-            sum.yy += part * v * v;
+    for (size_t y = (size_t)w.top; y < (size_t)w.bottom; ++y)
+        for (size_t x = (size_t)w.left; x < (size_t)w.right; ++x) {
+            const uint8_t *pixel = picture->pixels + 3 * (y * picture->width + x);
+            add_pixel(&sum, x, y, part_covered(pixel, border, middle), pixel);
         }
     if (may_be_mark(&sum)) *s = sum;
-}
-
-static void measure_spots(spot_search *search) {
-    for (int i = 0; i < ACID_MARKS; ++i)
-        for (size_t k = 0; k < search->lists[i].count; ++k)
-            measure_spot(search->picture, &search->lists[i].spots[k]);
 }
 
 /* ---- maps */
@@ -299,6 +286,17 @@ void acid_map_point(const acid_map *map, const double unit[2], double pixel[2]) 
     const double *m = map->m, w = m[6] * unit[0] + m[7] * unit[1] + m[8];
     pixel[0] = (m[0] * unit[0] + m[1] * unit[1] + m[2]) / w;
     pixel[1] = (m[3] * unit[0] + m[4] * unit[1] + m[5]) / w;
+}
+
+void acid_map_sides(const acid_map *map, const acid_box *box, double sides[2][2]) {
+    for (int k = 0; k < 2; ++k) {
+        double from[2] = {box->center[0], box->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
+        from[k] -= box->size[k] / 2;
+        to[k] += box->size[k] / 2;
+        acid_map_point(map, from, a);
+        acid_map_point(map, to, b);
+        for (int i = 0; i < 2; ++i) sides[k][i] = b[i] - a[i];
+    }
 }
 
 /* Gauss with pivots; 0: singular. */
@@ -355,14 +353,7 @@ static int is_mild_map(const acid_map *map) {
 /* The covariance of a mark under the map; its derivative is nearly constant over a mark. */
 static void predict_moments(const acid_map *map, const acid_box *mark, double moments[3]) {
     double sides[2][2]; /* of the parallelogram */
-    for (int k = 0; k < 2; ++k) {
-        double from[2] = {mark->center[0], mark->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
-        from[k] -= mark->size[k] / 2;
-        to[k] += mark->size[k] / 2;
-        acid_map_point(map, from, a);
-        acid_map_point(map, to, b);
-        for (int i = 0; i < 2; ++i) sides[k][i] = b[i] - a[i];
-    }
+    acid_map_sides(map, mark, sides);
     moments[0] = (sides[0][0] * sides[0][0] + sides[1][0] * sides[1][0]) / 12;
     moments[1] = (sides[0][0] * sides[0][1] + sides[1][0] * sides[1][1]) / 12;
     moments[2] = (sides[0][1] * sides[0][1] + sides[1][1] * sides[1][1]) / 12;
@@ -455,7 +446,9 @@ int acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid
         search->picture = picture;
         if (find_spots(search)) {
             limit_choices(search->lists);
-            measure_spots(search);
+            for (int i = 0; i < ACID_MARKS; ++i)
+                for (size_t k = 0; k < search->lists[i].count; ++k)
+                    measure_spot(picture, &search->lists[i].spots[k]);
             found = choose_spots(search->lists, layout, spots, 0, map, 0) > 0;
         }
     }
