@@ -161,7 +161,7 @@ set(web_acid_sources cells mesh)
 list(TRANSFORM web_acid_sources REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/acid/\\1.c")
 set(web_flags_here ${web_flags_here} -I${PROJECT_BINARY_DIR}/generated)
 web_objects(web_acid_objects ${web_acid_sources})
-web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera/guess_up.c)
+web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera.c)
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_fix_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_compare_objects} ${web_acid_objects} ${web_model_objects})
 

@@ -1,7 +1,7 @@
-/* outlines.c: writes src/render/picture/outlines.h from a TrueType font, Debian's fonts-open-sans.
+/* outlines.c: writes src/render/outlines.h from a TrueType font, Debian's fonts-open-sans.
  *   cc scripts/outlines.c $(pkg-config --cflags --libs freetype2) -o outlines
  *   ./outlines /usr/share/fonts/truetype/open-sans/OpenSans-Regular.ttf
- * >src/render/picture/outlines.h */
+ * >src/render/outlines.h */
 #include <ft2build.h>
 #include FT_FREETYPE_H
 #include FT_OUTLINE_H

@@ -52,7 +52,7 @@ for (const [name, [licence, from, relation, use, debian]] of Object.entries(know
 
 add("open-sans", {
     name: "open-sans", versionInfo: "1.11", downloadLocation: "https://www.opensans.com/", licenseConcluded: "Apache-2.0", licenseDeclared: "Apache-2.0",
-    comment: "the tool: outlines of the letters in pictures, src/render/picture/outlines.h; Debian: fonts-open-sans",
+    comment: "the tool: outlines of the letters in pictures, src/render/outlines.h; Debian: fonts-open-sans",
     externalRefs: [{ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: "pkg:deb/debian/fonts-open-sans" }],
 }, "CONTAINED_BY");
 

@@ -41,10 +41,10 @@ endfunction()
 
 # ---- shaders know the mistake
 
-norma_mistake(src/render/gl/device.c [==[    char defines[80], log[200] = "";]==] [==[    char defines[160], log[200] = "", made[64] = "";
+norma_mistake(src/render/device.c [==[    char defines[80], log[200] = "";]==] [==[    char defines[160], log[200] = "", made[64] = "";
     const char *mistake = getenv("NORMA_MISTAKE");
     for (size_t i = 0; mistake && mistake[i] && i < sizeof made - 1; ++i) made[i] = mistake[i] == '-' ? '_' : mistake[i];]==])
-norma_mistake(src/render/gl/device.c [==[    snprintf(defines, sizeof defines, "#define %s\n%s", recipe->define,
+norma_mistake(src/render/device.c [==[    snprintf(defines, sizeof defines, "#define %s\n%s", recipe->define,
         space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==] [==[    snprintf(defines, sizeof defines, "#define %s\n#define MISTAKE_%s\n%s", recipe->define, made,
         space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==])
 
@@ -52,16 +52,16 @@ norma_mistake(src/render/gl/device.c [==[    snprintf(defines, sizeof defines, "
 
 # A surface is kept in a box, and the world is shrunk to a ball: its length is that of a unit of the file. Each patch of the scene has a mesh of its own, so that
 # a mesh that is drawn twice is instanced; the nodes of instances have no transform but a translation.
-norma_mistake(src/render/sheet/draw.c [==[/* From the node's local space to lit space, once]==] [==[static double length = 1;
+norma_mistake(src/render/draw.c [==[/* From the node's local space to lit space, once]==] [==[static double length = 1;
 static int instanced;
 /* From the node's local space to lit space, once]==])
-norma_mistake(src/render/sheet/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = p->stage->shrunk / v->box.scale;
+norma_mistake(src/render/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = p->stage->shrunk / v->box.scale;
     size_t placed_so = 0;
     for (size_t i = 0; i < p->stage->placed_count; ++i) placed_so += p->stage->placed[i].upload == placed->upload;
     instanced = placed_so > 1;
     set_normal_matrix(p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
     set_material(p, at, placed->surface);]==])
-norma_mistake(src/render/sheet/draw.c [==[    p->gl->UniformMatrix3fv(at->normal_matrix,]==] [==[    norma_matrix_info info;
+norma_mistake(src/render/draw.c [==[    p->gl->UniformMatrix3fv(at->normal_matrix,]==] [==[    norma_matrix_info info;
     double matrix[9];
     if (is_mistaken("model-matrix")) memcpy(right, plain, sizeof right);
     if (is_mistaken("object-space") || (is_mistaken("instance-ignored") && instanced))
@@ -189,9 +189,9 @@ norma_mistake(src/cli/render/render_scene.c [==[    memcpy(surface->base_colour,
     if (known) memcpy(surface->base_colour, material.base_color, sizeof surface->base_colour);]==])
 norma_mistake(src/cli/render/render_scene.c [==[    if (attributes->colors)
         for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;]==] [==[]==])
-norma_mistake(src/render/sheet/draw.c [==[    p->gl->Uniform4fv(at->phong, 1, usual);]==] [==[    const float matt[4] = {usual[0] * 0, 1, 0, 1};
+norma_mistake(src/render/draw.c [==[    p->gl->Uniform4fv(at->phong, 1, usual);]==] [==[    const float matt[4] = {usual[0] * 0, 1, 0, 1};
     p->gl->Uniform4fv(at->phong, 1, matt);]==])
-norma_mistake(src/render/sheet/draw.c [==[    p->gl->Uniform1i(at->light_count, stage->look->light_count);
+norma_mistake(src/render/draw.c [==[    p->gl->Uniform1i(at->light_count, stage->look->light_count);
     p->gl->Uniform3fv(at->light_direction, RENDER_MOST_LIGHTS, p->light_directions);
     p->gl->Uniform3fv(at->light_colour, RENDER_MOST_LIGHTS, p->light_colours);]==] [==[    static const float directions[9] = {0.5F, 0, 0.8660254F, -0.25F, 0.4330127F, 0.8660254F, -0.25F, -0.4330127F, 0.8660254F},
                        colours[9] = {0.891F, 0, 0, 0, 0.891F, 0, 0, 0, 0.891F};

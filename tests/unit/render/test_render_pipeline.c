@@ -1,7 +1,7 @@
 /* test_render_pipeline.c: the steps of the pipeline by hand, the smallest ball, the closest frame;
  * no picture is drawn. */
 #include "check.h"
-#include "render/camera/camera.h"
+#include "render/parts.h"
 
 static void assert_near(const double *a, double x, double y, double z) {
     const double off = fabs(a[0] - x) + fabs(a[1] - y) + fabs(a[2] - z);

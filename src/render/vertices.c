@@ -1,278 +1,12 @@
-/* surface_vertices.c: the vertices that a picture draws of a mesh: split where normals differ, and
- * with the attributes of their corners. */
-#include "render/surface/surface_vertices.h"
+/* vertices.c: a surface as the graphics processor takes it: triangles, split where normals differ,
+ * with the attributes of their corners; and lines along normals and edges. */
+#include "render/parts.h"
 #include "core/face/cut_polygon.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Which vertices a surface needs so that each has one normal: the stored normals,
- * or computed ones where there are none. */
-
-void render_split_free(render_split *split) {
-    free(split->sources);
-    free(split->corners);
-    free(split->normals);
-    *split = (render_split){0};
-}
-
-static void read_normal(const norma_vec3_view *view, size_t index, float n[3]) {
-    memcpy(n, (const unsigned char *)view->data + index * (view->stride ? view->stride : 12), 12);
-    for (int k = 0; k < 3; ++k)
-        if (!isfinite(n[k])) n[0] = n[1] = n[2] = 0;
-}
-
-static norma_options usual(const render_surface *surface) {
-    return (norma_options){.struct_size = sizeof(norma_options),
-        .weight = surface->weight,
-        .fallback = NORMA_FALLBACK_NEAREST,
-        .threads = NORMA_ALL_THREADS};
-}
-
-static enum render_result fail_core(norma_result result, render_error *error) {
-    return result == NORMA_ERROR_MEMORY
-               ? render_fail_memory(error)
-               : render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result));
-}
-
-/* ---- one normal for each position */
-
-static void copy_corners(const norma_mesh *mesh, uint32_t *corners) {
-    if (mesh->corners && mesh->corner_size != 1 && mesh->corner_size != 2)
-        memcpy(corners, mesh->corners, mesh->corner_count * sizeof *corners);
-    else
-        for (size_t i = 0; i < mesh->corner_count; ++i) corners[i] = norma_mesh_corner(mesh, i);
-}
-
-static enum render_result one_each(
-    const render_surface *surface, render_split *split, render_error *error) {
-    const norma_mesh *mesh = &surface->mesh;
-    const size_t count = mesh->positions.count;
-    split->count = count;
-    split->corners = malloc((mesh->corner_count + 1) * sizeof *split->corners);
-    split->normals = malloc((3 * count + 1) * sizeof *split->normals);
-    if (!split->corners || !split->normals) return render_fail_memory(error);
-    copy_corners(mesh, split->corners);
-    if (surface->stored == RENDER_NORMALS_PER_VERTEX) {
-        for (size_t i = 0; i < count; ++i)
-            read_normal(&surface->normals, i, split->normals + 3 * i);
-        return RENDER_OK;
-    }
-    const norma_options options = usual(surface);
-    norma_result result = norma_vertex_normals(mesh, &options, split->normals, count, NULL);
-    return result ? fail_core(result, error) : RENDER_OK;
-}
-
-/* ---- normals that a crease parts */
-
-static enum render_result computed(
-    const render_surface *surface, render_split *split, render_error *error) {
-    const norma_mesh *mesh = &surface->mesh;
-    const norma_options options = usual(surface);
-    const size_t most = mesh->corner_count;
-    split->corners = malloc((most + 1) * sizeof *split->corners);
-    split->sources = malloc((most + 1) * sizeof *split->sources);
-    split->normals = malloc((3 * most + 1) * sizeof *split->normals);
-    if (!split->corners || !split->sources || !split->normals) return render_fail_memory(error);
-    norma_result result = norma_split(mesh, (float)surface->crease_rad, &options, split->corners,
-        most, split->sources, split->normals, most, &split->count, NULL);
-    return result ? fail_core(result, error) : RENDER_OK;
-}
-
-/* ---- stored normals of corners or facets: corners at one position with one normal become a vertex
- */
-
-typedef struct joiner {
-    uint32_t *first, *next; /* the vertices of each position, as a chain */
-    render_split *split;
-} joiner;
-
-static uint32_t join(joiner *j, uint32_t position, const float normal[3]) {
-    render_split *split = j->split;
-    uint32_t at = j->first[position];
-    for (int steps = 0; at != UINT32_MAX && steps < 64;
-         ++steps, at = j->next[at]) /* a longer chain is rather doubled than searched */
-        if (memcmp(split->normals + (size_t)3 * at, normal, 12) == 0) return at;
-    at = (uint32_t)split->count++;
-    split->sources[at] = position;
-    memcpy(split->normals + (size_t)3 * at, normal, 12);
-    j->next[at] = j->first[position];
-    j->first[position] = at;
-    return at;
-}
-
-static void join_corners(const render_surface *surface, const float *missing, joiner *j) {
-    const norma_mesh *mesh = &surface->mesh;
-    for (size_t face = 0; face < render_face_count(mesh); ++face) {
-        size_t first, count;
-        render_face(mesh, face, &first, &count);
-        for (size_t corner = first; corner < first + count; ++corner) {
-            float n[3];
-            const uint32_t number = surface->stored == RENDER_NORMALS_NONE ? UINT32_MAX
-                                    : surface->corner_normals ? surface->corner_normals[corner]
-                                    : surface->stored == RENDER_NORMALS_PER_FACET
-                                        ? (uint32_t)face
-                                        : norma_mesh_corner(mesh, corner);
-            if (number < surface->normals.count) read_normal(&surface->normals, number, n);
-            const int stored = number < surface->normals.count &&
-                               !(surface->replace_zeros && n[0] == 0 && n[1] == 0 && n[2] == 0);
-            if (!stored)
-                memcpy(n, missing ? missing + 3 * corner : (const float[3]){0, 0, 0}, sizeof n);
-            j->split->corners[corner] = join(j, norma_mesh_corner(mesh, corner), n);
-        }
-    }
-}
-
-static int some_are_missing(const render_surface *surface) {
-    if (surface->stored == RENDER_NORMALS_NONE || surface->replace_zeros) return 1;
-    for (size_t i = 0; surface->corner_normals && i < surface->mesh.corner_count; ++i)
-        if (surface->corner_normals[i] >= surface->normals.count) return 1;
-    return 0;
-}
-
-static enum render_result joined(
-    const render_surface *surface, render_split *split, render_error *error) {
-    const norma_mesh *mesh = &surface->mesh;
-    const norma_options options = usual(surface);
-    const size_t most = mesh->corner_count;
-    const int compute = some_are_missing(surface) && !surface->expected;
-    float *missing = compute ? malloc((3 * most + 1) * sizeof *missing) : NULL;
-    joiner j = {malloc((mesh->positions.count + 1) * sizeof(uint32_t)),
-        malloc((most + 1) * sizeof(uint32_t)), split};
-    split->corners = malloc((most + 1) * sizeof *split->corners);
-    split->sources = malloc((most + 1) * sizeof *split->sources);
-    split->normals = malloc((3 * most + 1) * sizeof *split->normals);
-    const int ready = j.first && j.next && split->corners && split->sources && split->normals &&
-                      (missing || !compute);
-    norma_result result = ready ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result && missing)
-        result =
-            norma_corner_normals(mesh, (float)surface->crease_rad, &options, missing, most, NULL);
-    if (!result) {
-        memset(j.first, 0xFF, mesh->positions.count * sizeof *j.first);
-        join_corners(surface, missing ? missing : surface->expected, &j);
-    }
-    free(missing);
-    free(j.first);
-    free(j.next);
-    return result ? fail_core(result, error) : RENDER_OK;
-}
-
-static const double all_angles = 3.1415926; /* a crease of so much or more parts nothing */
-
-enum render_result render_split_make(
-    const render_surface *surface, render_split *split, render_error *error) {
-    *split = (render_split){0};
-    enum render_result result;
-    const int without = surface->stored == RENDER_NORMALS_NONE;
-    if (without ? surface->expected != NULL : surface->stored != RENDER_NORMALS_PER_VERTEX)
-        result = joined(surface, split, error);
-    else if (!without || (surface->crease_rad >= all_angles && !surface->mesh.smoothing_groups))
-        result = one_each(surface, split, error);
-    else
-        result = computed(surface, split, error);
-    if (result) render_split_free(split);
-    return result;
-}
-
-/* ---- stored against computed */
-
-static double angle_deg(const float a[3], const float b[3]) {
-    const double x[3] = {(double)a[0], (double)a[1], (double)a[2]},
-                 y[3] = {(double)b[0], (double)b[1], (double)b[2]};
-    const double c[3] = {
-        x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
-    return atan2(sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]),
-               x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) *
-           57.29577951308232;
-}
-
-static int compute_for_errors(const render_surface *surface, float *normals) {
-    const norma_mesh *mesh = &surface->mesh;
-    norma_options options = usual(surface);
-    options.fallback = NORMA_FALLBACK_ZERO;
-    if (surface->stored != RENDER_NORMALS_PER_VERTEX || surface->crease_rad < all_angles ||
-        mesh->smoothing_groups)
-        return !norma_corner_normals(
-            mesh, (float)surface->crease_rad, &options, normals, mesh->corner_count, NULL);
-    float *each = malloc((3 * mesh->positions.count + 1) * sizeof *each);
-    const int good =
-        each && !norma_vertex_normals(mesh, &options, each, mesh->positions.count, NULL);
-    for (size_t i = 0; good && i < mesh->corner_count; ++i)
-        memcpy(normals + 3 * i, each + (size_t)3 * norma_mesh_corner(mesh, i), 12);
-    free(each);
-    return good;
-}
-
-static int has_no_direction(const float n[3]) { return n[0] == 0 && n[1] == 0 && n[2] == 0; }
-
-enum { TENTHS = 1800 };
-
-/* To a tenth of a degree, upwards. */
-static double least_of_most(const size_t histogram[TENTHS + 1], size_t count) {
-    size_t seen = 0;
-    for (size_t tenth = 0; tenth <= TENTHS; ++tenth)
-        if ((seen += histogram[tenth]) >= count - count / 100) return 0.1 * (double)(tenth + 1);
-    return 180;
-}
-
-/* Degrees between the stored and the computed normal of each corner; -1 where either is not there.
- * Owned by the caller; NULL: out of memory. *worst_rad: NaN if nothing is stored; *most_rad: what
- * 99 of 100 do not exceed. */
-static float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad) {
-    size_t histogram[TENTHS + 1] = {0};
-    const size_t count = surface->mesh.corner_count;
-    size_t compared = 0;
-    float *degrees = malloc((count + 1) * sizeof *degrees), *own = NULL;
-    const float *expected = surface->expected;
-    render_split split;
-    render_error ignored;
-    *worst_rad = NAN;
-    *most_rad = 0;
-    for (size_t i = 0; i < count && degrees; ++i) degrees[i] = -1;
-    if (surface->stored == RENDER_NORMALS_NONE || !degrees) return degrees;
-    if (!expected) expected = own = malloc((3 * count + 1) * sizeof *own);
-    if (!expected || (own && !compute_for_errors(surface, own)) ||
-        render_split_make(surface, &split, &ignored)) {
-        free(degrees);
-        free(own);
-        return NULL;
-    }
-    *worst_rad = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const float *stored = split.normals + (size_t)3 * split.corners[i];
-        if (has_no_direction(stored) || has_no_direction(expected + 3 * i)) continue;
-        degrees[i] = (float)angle_deg(stored, expected + 3 * i);
-        *worst_rad = fmax(*worst_rad, (double)degrees[i] / 57.29577951308232);
-        ++histogram[(size_t)fmin(10 * (double)degrees[i], TENTHS)];
-        ++compared;
-    }
-    *most_rad = compared ? least_of_most(histogram, compared) / 57.29577951308232 : 0;
-    free(own);
-    render_split_free(&split);
-    return degrees;
-}
-
-/* ---- A norma_mesh corner by corner, and the box that it lies in. */
-
-float render_linear(uint32_t level) {
-    const double c = level / 255.0;
-    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
-}
-
-int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
-    norma_view_vector(&mesh->positions, index, p);
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
-
-size_t render_face_count(const norma_mesh *mesh) {
-    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
-}
-
-void render_face(const norma_mesh *mesh, size_t face, size_t *first, size_t *count) {
-    *first = mesh->face_starts ? mesh->face_starts[face] : 3 * face;
-    *count = mesh->face_starts ? mesh->face_starts[face + 1] - mesh->face_starts[face] : 3;
-}
+/* ---- the box that a mesh lies in */
 
 /* Positions that no face uses may lie anywhere, and are left out: they would take the others'
  * precision. */
@@ -726,4 +460,287 @@ enum render_result render_vertices_make(const render_surface *surface, enum rend
     free(m.triangles);
     if (result) render_vertices_free(vertices);
     return result;
+}
+
+/* ---- Hedgehog lines: from each vertex along its normal, from each face's middle along its own,
+ * and from points on edges along the interpolated one (Phong 1975); each as long as the edges about
+ * it are. And each edge of a polygon once, for a wireframe. */
+
+static const double
+    shortest = 0.01,
+    longest = 0.5; /* reach in the box, which is two wide: lines on a fine mesh can still be seen */
+
+typedef struct liner {
+    const render_surface *surface;
+    const norma_mesh *mesh;
+    render_box box;
+    double reach;
+    size_t step; /* every so many is drawn */
+    render_line_set *set;
+} liner;
+
+static int make_room_for_lines(liner *l, size_t candidates, size_t most) {
+    l->step = most > 0 ? (candidates + most - 1) / most : 1;
+    l->step = l->step > 0 ? l->step : 1;
+    size_t kept = (candidates + l->step - 1) / l->step;
+    l->set->floats = malloc((kept + 1) * RENDER_LINE_FLOATS * sizeof(float));
+    l->set->left_out = candidates - kept;
+    return l->set->floats != NULL;
+}
+
+static void add_direction_line(liner *l, const double from[3], const float to[3], double reach) {
+    float *out = l->set->floats + RENDER_LINE_FLOATS * l->set->count++;
+    for (int k = 0; k < 3; ++k) out[k] = (float)from[k];
+    memcpy(out + 3, to, 12);
+    out[6] = (float)fmin(fmax(reach * l->reach, shortest), longest);
+}
+
+/* Where a corner's position lies in the box; 0: nowhere. */
+static int boxed(const liner *l, uint32_t position, double p[3]) {
+    if (!render_position(l->mesh, position, p)) return 0;
+    for (int k = 0; k < 3; ++k) p[k] = (p[k] - l->box.origin[k]) * l->box.scale;
+    return 1;
+}
+
+static double length_between(const double a[3], const double b[3]) {
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+/* Calls visit for each edge of each face: corners and where they lie. */
+typedef void visit_edge(
+    void *user, size_t corner, size_t next, const double a[3], const double b[3]);
+static void each_edge(const liner *l, visit_edge *visit, void *user) {
+    for (size_t face = 0; face < render_face_count(l->mesh); ++face) {
+        size_t first, count;
+        render_face(l->mesh, face, &first, &count);
+        for (size_t i = 0; i < count; ++i) {
+            double a[3], b[3];
+            size_t corner = first + i, next = first + (i + 1) % count;
+            if (boxed(l, norma_mesh_corner(l->mesh, corner), a) &&
+                boxed(l, norma_mesh_corner(l->mesh, next), b))
+                visit(user, corner, next, a, b);
+        }
+    }
+}
+
+/* ---- of vertices */
+
+typedef struct edge_lengths {
+    const render_split *split;
+    double *sums;
+    uint32_t *counts;
+} edge_lengths;
+
+static void add_length(
+    void *user, size_t corner, size_t next, const double a[3], const double b[3]) {
+    edge_lengths *lengths = user;
+    const uint32_t ends[2] = {lengths->split->corners[corner], lengths->split->corners[next]};
+    for (int k = 0; k < 2; ++k) {
+        lengths->sums[ends[k]] += length_between(a, b);
+        ++lengths->counts[ends[k]];
+    }
+}
+
+static int vertex_lines(liner *l, const render_split *split, size_t most) {
+    edge_lengths lengths = {split, calloc(split->count + 1, sizeof(double)),
+        calloc(split->count + 1, sizeof(uint32_t))};
+    const int ready = lengths.sums && lengths.counts && make_room_for_lines(l, split->count, most);
+    if (ready) each_edge(l, add_length, &lengths);
+    for (size_t i = 0; ready && i < split->count; i += l->step) {
+        double p[3];
+        if (lengths.counts[i] && boxed(l, split->sources ? split->sources[i] : (uint32_t)i, p))
+            add_direction_line(l, p, split->normals + 3 * i, lengths.sums[i] / lengths.counts[i]);
+    }
+    free(lengths.sums);
+    free(lengths.counts);
+    return ready;
+}
+
+/* ---- of faces */
+
+static void face_line(liner *l, size_t face, const float normal[3]) {
+    size_t first, count;
+    double middle[3] = {0}, last[3] = {0}, around = 0;
+    render_face(l->mesh, face, &first, &count);
+    for (size_t i = 0; i <= count && count > 0; ++i) {
+        double p[3];
+        if (!boxed(l, norma_mesh_corner(l->mesh, first + i % count), p)) return;
+        around += i > 0 ? length_between(p, last) : 0;
+        for (int k = 0; k < 3 && i < count; ++k) middle[k] += p[k] / (double)count;
+        memcpy(last, p, sizeof last);
+    }
+    if (count > 2 && (normal[0] != 0 || normal[1] != 0 || normal[2] != 0))
+        add_direction_line(l, middle, normal, around / (double)count);
+}
+
+static int face_lines(liner *l, size_t most) {
+    const size_t faces = render_face_count(l->mesh);
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    float *normals = malloc((3 * faces + 1) * sizeof *normals);
+    const int ready = normals && make_room_for_lines(l, faces, most) &&
+                      !norma_face_normals(l->mesh, &options, normals, faces, NULL);
+    for (size_t face = 0; ready && face < faces; face += l->step)
+        face_line(l, face, normals + 3 * face);
+    free(normals);
+    return ready;
+}
+
+/* ---- along edges */
+
+enum { EDGE_STEPS = 8 };
+
+typedef struct edge_normals {
+    liner *l;
+    const render_split *split;
+    size_t edge;
+} edge_normals;
+
+static void add_interpolated(
+    void *user, size_t corner, size_t next, const double a[3], const double b[3]) {
+    edge_normals *along = user;
+    const render_split *split = along->split;
+    if (along->edge++ % along->l->step) return;
+    if (memcmp(split->normals + (size_t)3 * split->corners[corner],
+            split->normals + (size_t)3 * split->corners[next], 12) == 0)
+        return; /* nothing changes on the way */
+    for (int i = 1; i < EDGE_STEPS; ++i) {
+        const float t = (float)i / EDGE_STEPS, weights[3] = {1 - t, t, 0};
+        const float *from = split->normals + (size_t)3 * split->corners[corner],
+                    *to = split->normals + (size_t)3 * split->corners[next];
+        float normal[3];
+        double p[3];
+        norma_interpolate_normal(from, to, to, weights, normal);
+        for (int k = 0; k < 3; ++k) p[k] = a[k] + (double)t * (b[k] - a[k]);
+        add_direction_line(along->l, p, normal, length_between(a, b));
+    }
+}
+
+static int edge_lines(liner *l, const render_split *split, size_t most) {
+    edge_normals along = {l, split, 0};
+    const size_t edges = l->mesh->corner_count, kept = most / EDGE_STEPS + 1;
+    l->step = (edges + kept - 1) / kept;
+    l->step = l->step > 0 ? l->step : 1;
+    l->set->floats =
+        malloc((edges / l->step + 1) * EDGE_STEPS * RENDER_LINE_FLOATS * sizeof(float));
+    l->set->left_out = edges - (edges + l->step - 1) / l->step;
+    if (l->set->floats) each_edge(l, add_interpolated, &along);
+    return l->set->floats != NULL;
+}
+
+/* ---- a wireframe: the edges of each position that lead to a later one, each once */
+
+typedef struct edge_table {
+    liner *l;
+    uint32_t *starts, *others; /* of each position: where its edges begin in others */
+    int filling;
+} edge_table;
+
+static void note_edge(
+    void *user, size_t corner, size_t next, const double a[3], const double b[3]) {
+    edge_table *table = user;
+    uint32_t p = norma_mesh_corner(table->l->mesh, corner),
+             q = norma_mesh_corner(table->l->mesh, next);
+    (void)a, (void)b;
+    if (p == q) return;
+    if (!table->filling)
+        ++table->starts[(p < q ? p : q) + 1];
+    else
+        table->others[table->starts[p < q ? p : q]++] = p < q ? q : p;
+}
+
+static int ascending(const void *a, const void *b) {
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void add_edges_of(liner *l, uint32_t position, uint32_t *others, size_t count) {
+    double a[3], b[3];
+    qsort(others, count, sizeof *others, ascending);
+    for (size_t i = 0; i < count; ++i) {
+        float to[3];
+        if ((i > 0 && others[i] == others[i - 1]) || !boxed(l, position, a) ||
+            !boxed(l, others[i], b))
+            continue;
+        for (int k = 0; k < 3; ++k) to[k] = (float)b[k];
+        add_direction_line(l, a, to, 0);
+    }
+}
+
+static int wireframe(liner *l) {
+    const size_t positions = l->mesh->positions.count, corners = l->mesh->corner_count;
+    edge_table table = {
+        l, calloc(positions + 2, sizeof(uint32_t)), malloc((corners + 1) * sizeof(uint32_t)), 0};
+    const int ready = table.starts && table.others && make_room_for_lines(l, corners, 0);
+    if (ready) {
+        each_edge(l, note_edge, &table);
+        for (size_t i = 0; i < positions; ++i) table.starts[i + 1] += table.starts[i];
+        table.filling = 1;
+        each_edge(l, note_edge, &table);
+    }
+    /* Filling has moved each start to the next one's. */
+    for (size_t i = 0; ready && i < positions; ++i) {
+        const uint32_t begin = i ? table.starts[i - 1] : 0;
+        add_edges_of(l, (uint32_t)i, table.others + begin, table.starts[i] - begin);
+    }
+    free(table.starts);
+    free(table.others);
+    return ready;
+}
+
+/* ---- dots: lines from a point to itself, which are as wide as they are long */
+
+static int dots(liner *l) {
+    const render_surface *surface = l->surface;
+    l->set->colours = malloc((4 * surface->dot_count + 1) * sizeof(float));
+    if (!l->set->colours || !make_room_for_lines(l, surface->dot_count, 0)) return 0;
+    for (size_t i = 0; i < surface->dot_count; ++i) {
+        const render_dot *dot = &surface->dots[i];
+        float at[3], *colour = l->set->colours + 4 * i;
+        double from[3];
+        render_into_box(&l->box, dot->position, at);
+        for (int k = 0; k < 3; ++k) {
+            from[k] = (double)at[k];
+            colour[k] = render_linear(dot->colour >> (16 - 8 * k) & 0xFF);
+        }
+        colour[3] = 1;
+        add_direction_line(l, from, at, 0);
+    }
+    return 1;
+}
+
+void render_lines_free(render_line_set *set) {
+    free(set->floats);
+    free(set->colours);
+    *set = (render_line_set){0};
+}
+
+enum render_result render_lines_make(const render_surface *surface, unsigned kind, double reach,
+    size_t most, render_line_set *set, render_error *error) {
+    liner l = {.surface = surface,
+        .mesh = &surface->mesh,
+        .box = render_box_of(&surface->mesh),
+        .reach = reach,
+        .step = 1,
+        .set = set};
+    render_split split = {0};
+    int good = 0;
+    *set = (render_line_set){0};
+    if ((kind == RENDER_VERTEX_LINES || kind == RENDER_EDGE_LINES) &&
+        render_split_make(surface, &split, error))
+        return error->result;
+    if (kind == RENDER_VERTEX_LINES)
+        good = vertex_lines(&l, &split, most);
+    else if (kind == RENDER_FACE_LINES)
+        good = face_lines(&l, most);
+    else if (kind == RENDER_EDGE_LINES)
+        good = edge_lines(&l, &split, most);
+    else if (kind == RENDER_DOTS)
+        good = dots(&l);
+    else
+        good = wireframe(&l);
+    render_split_free(&split);
+    if (good) return RENDER_OK;
+    render_lines_free(set);
+    return render_fail_memory(error);
 }

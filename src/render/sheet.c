@@ -1,11 +1,19 @@
 /* sheet.c: panels side by side and the words above or below them. Words in a strip are smaller
  * where they would not fit, but not below what can be read; then on several lines. */
-#include "render/sheet/draw.h"
-#include "render/picture/picture.h"
+#include "render/device.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- how the words of a strip are set */
+
+enum { RENDER_MOST_LINES = 6 };
+
+typedef struct render_text_lines {
+    double size;                              /* of the letters, in pixels */
+    size_t count, lengths[RENDER_MOST_LINES]; /* bytes; a blank lies between two lines */
+} render_text_lines;
 
 static const double least_text = 7.5, room_of_width = 0.96, line_step = 1.8; /* of capitals */
 

@@ -1,7 +1,6 @@
 /* device.c: drawing by OpenGL ES 3.0 without a window: programs, textures, targets, vertices. EGL
  * on a device of its own, a GPU before Mesa's software renderer, in a context without a surface. */
-#include "render/gl/device.h"
-#include "render/picture/picture.h"
+#include "render/device.h"
 #include "norma_glsl.h"
 #include "shaders.h"
 #include <dlfcn.h>

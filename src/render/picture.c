@@ -1,7 +1,7 @@
 /* picture.c: pictures in memory: letters on them, and PNG files of them. */
-#include "render/picture/picture.h"
+#include "render/parts.h"
 #include "io/image/image.h"
-#include "render/picture/outlines.h"
+#include "render/outlines.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <math.h>
@@ -226,6 +226,8 @@ int render_picture_difference(const render_picture *picture, size_t ax, size_t a
 }
 
 static double decoded(double c) { return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4); }
+
+float render_linear(uint32_t level) { return (float)decoded(level / 255.0); }
 
 void render_srgb_make(render_srgb *table) {
     for (int level = 0; level < 256; ++level)
