@@ -10,48 +10,22 @@
 
 enum { MOST_DEVICES = 16 };
 
-/* What EGL itself is used for; found by name in its library. */
-typedef struct egl_calls {
-    PFNEGLGETPROCADDRESSPROC get_proc_address;
-    PFNEGLGETDISPLAYPROC get_display;
-    PFNEGLINITIALIZEPROC initialize;
-    PFNEGLBINDAPIPROC bind_api;
-    PFNEGLCHOOSECONFIGPROC choose_config;
-    PFNEGLCREATECONTEXTPROC create_context;
-    PFNEGLQUERYSTRINGPROC query_string;
-    PFNEGLQUERYDEVICESEXTPROC query_devices; /* these three: NULL where the extension is missing */
-    PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string;
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
-} egl_calls;
-
 /* dlsym gives an object pointer where a function pointer is wanted; POSIX says that they are of one
  * size. */
-#define FIND(from, pointer)                                                                        \
+static int load_egl(void *library, render_egl *egl) {
+    int good = 1;
+#define RENDER_EGL_LOAD(type, name)                                                                \
     do {                                                                                           \
-        void *found = (from);                                                                      \
-        memcpy(&(pointer), &found, sizeof(pointer));                                               \
-    } while (0)
-
-static int find_calls(void *library, render_egl *egl, egl_calls *calls) {
-    FIND(dlsym(library, "eglGetProcAddress"), calls->get_proc_address);
-    FIND(dlsym(library, "eglGetDisplay"), calls->get_display);
-    FIND(dlsym(library, "eglInitialize"), calls->initialize);
-    FIND(dlsym(library, "eglBindAPI"), calls->bind_api);
-    FIND(dlsym(library, "eglChooseConfig"), calls->choose_config);
-    FIND(dlsym(library, "eglCreateContext"), calls->create_context);
-    FIND(dlsym(library, "eglQueryString"), calls->query_string);
-    FIND(dlsym(library, "eglTerminate"), egl->terminate);
-    FIND(dlsym(library, "eglMakeCurrent"), egl->make_current);
-    FIND(dlsym(library, "eglDestroyContext"), egl->destroy_context);
-    if (!calls->get_proc_address || !calls->get_display || !calls->initialize || !calls->bind_api ||
-        !calls->choose_config || !calls->create_context || !calls->query_string ||
-        !egl->terminate || !egl->make_current || !egl->destroy_context)
-        return 0;
-    calls->query_devices = (PFNEGLQUERYDEVICESEXTPROC)calls->get_proc_address("eglQueryDevicesEXT");
-    calls->query_device_string =
-        (PFNEGLQUERYDEVICESTRINGEXTPROC)calls->get_proc_address("eglQueryDeviceStringEXT");
-    calls->get_platform_display =
-        (PFNEGLGETPLATFORMDISPLAYEXTPROC)calls->get_proc_address("eglGetPlatformDisplayEXT");
+        void *found = dlsym(library, "egl" #name);                                                 \
+        memcpy(&egl->name, &found, sizeof egl->name);                                              \
+        good &= found != NULL;                                                                     \
+    } while (0);
+    RENDER_EGL_FUNCTIONS(RENDER_EGL_LOAD)
+#undef RENDER_EGL_LOAD
+    if (!good) return 0;
+#define RENDER_EGL_FIND(type, name) egl->name = (type)egl->GetProcAddress("egl" #name);
+    RENDER_EGL_EXTENSIONS(RENDER_EGL_FIND)
+#undef RENDER_EGL_FIND
     return 1;
 }
 
@@ -69,77 +43,76 @@ static int has_word(const char *list, const char *word) {
     return 0;
 }
 
-static void add_devices(const egl_calls *calls, int software, candidates *list) {
+static void add_devices(const render_egl *egl, int software, candidates *list) {
     EGLDeviceEXT devices[MOST_DEVICES];
     EGLint count = 0;
-    if (!calls->query_devices || !calls->query_device_string || !calls->get_platform_display ||
-        !calls->query_devices(MOST_DEVICES, devices, &count))
+    if (!egl->QueryDevicesEXT || !egl->QueryDeviceStringEXT || !egl->GetPlatformDisplayEXT ||
+        !egl->QueryDevicesEXT(MOST_DEVICES, devices, &count))
         return;
     for (EGLint i = 0; i < count; ++i)
-        if (has_word(calls->query_device_string(devices[i], EGL_EXTENSIONS),
+        if (has_word(egl->QueryDeviceStringEXT(devices[i], EGL_EXTENSIONS),
                 "EGL_MESA_device_software") == software)
             list->displays[list->count++] =
-                calls->get_platform_display(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL);
+                egl->GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL);
 }
 
-static void find_displays(const egl_calls *calls, int software, candidates *list) {
-    if (!software) add_devices(calls, 0, list);
-    add_devices(calls, 1, list);
+static void find_displays(const render_egl *egl, int software, candidates *list) {
+    if (!software) add_devices(egl, 0, list);
+    add_devices(egl, 1, list);
     if (software) return;
-    if (calls->get_platform_display)
-        list->displays[list->count++] = calls->get_platform_display(
+    if (egl->GetPlatformDisplayEXT)
+        list->displays[list->count++] = egl->GetPlatformDisplayEXT(
             EGL_PLATFORM_SURFACELESS_MESA, (void *)EGL_DEFAULT_DISPLAY, NULL);
-    list->displays[list->count++] = calls->get_display(EGL_DEFAULT_DISPLAY);
+    list->displays[list->count++] = egl->GetDisplay(EGL_DEFAULT_DISPLAY);
 }
 
-static int load_gl(const egl_calls *calls, render_gl *gl) {
+static int load_gl(const render_egl *egl, render_gl *gl) {
     int good = 1;
 #define RENDER_GL_LOAD(type, name)                                                                 \
-    good &= (gl->name = (type)calls->get_proc_address("gl" #name)) != NULL;
+    good &= (gl->name = (type)egl->GetProcAddress("gl" #name)) != NULL;
     RENDER_GL_FUNCTIONS(RENDER_GL_LOAD)
 #undef RENDER_GL_LOAD
     return good;
 }
 
-static int try_display(const egl_calls *calls, EGLDisplay display, render_egl *egl, render_gl *gl) {
+static int try_display(render_egl *egl, EGLDisplay display, render_gl *gl) {
     static const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT, EGL_SURFACE_TYPE, 0,
         EGL_NONE},
                         version[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};
     EGLConfig config = NULL;
     EGLint major, minor, configs = 0;
-    if (display == EGL_NO_DISPLAY || !calls->initialize(display, &major, &minor)) return 0;
-    const char *extensions = calls->query_string(display, EGL_EXTENSIONS);
-    if (has_word(extensions, "EGL_KHR_surfaceless_context") && calls->bind_api(EGL_OPENGL_ES_API)) {
-        if (!calls->choose_config(display, wanted, &config, 1, &configs) || configs < 1)
+    if (display == EGL_NO_DISPLAY || !egl->Initialize(display, &major, &minor)) return 0;
+    const char *extensions = egl->QueryString(display, EGL_EXTENSIONS);
+    if (has_word(extensions, "EGL_KHR_surfaceless_context") && egl->BindAPI(EGL_OPENGL_ES_API)) {
+        if (!egl->ChooseConfig(display, wanted, &config, 1, &configs) || configs < 1)
             config = NULL; /* EGL_KHR_no_config_context */
-        egl->context = calls->create_context(display, config, EGL_NO_CONTEXT, version);
+        egl->context = egl->CreateContext(display, config, EGL_NO_CONTEXT, version);
         if (egl->context != EGL_NO_CONTEXT &&
-            egl->make_current(display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context) &&
-            load_gl(calls, gl)) {
+            egl->MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context) &&
+            load_gl(egl, gl)) {
             egl->display = display;
             return 1;
         }
     }
-    egl->terminate(display);
+    egl->Terminate(display);
     return 0;
 }
 
 static enum render_result egl_open(
     int software, render_egl *egl, render_gl *gl, render_error *error) {
-    egl_calls calls = {0};
     candidates list = {.count = 0};
-    *egl = (render_egl){.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL)};
-    if (!egl->library)
+    void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!library)
         return render_fail(error, RENDER_ERROR_DEVICE,
             "cannot draw: EGL is not installed (%s); on Debian, install libegl1, and "
             "libgl1-mesa-dri for a software renderer",
             dlerror());
-    if (!find_calls(egl->library, egl, &calls))
+    if (!load_egl(library, egl))
         return render_fail(
             error, RENDER_ERROR_DEVICE, "cannot draw: libEGL.so.1 lacks functions of EGL 1.4");
-    find_displays(&calls, software, &list);
+    find_displays(egl, software, &list);
     for (int i = 0; i < list.count; ++i)
-        if (try_display(&calls, list.displays[i], egl, gl)) return RENDER_OK;
+        if (try_display(egl, list.displays[i], gl)) return RENDER_OK;
     return render_fail(error, RENDER_ERROR_DEVICE,
         "cannot draw: EGL has no OpenGL ES 3.0 context without a window on any of %d displays; on "
         "Debian, libgl1-mesa-dri is a software renderer",
@@ -149,9 +122,9 @@ static enum render_result egl_open(
 /* The library stays loaded: what drivers leave to be done at exit would have no code any more. */
 static void egl_close(render_egl *egl) {
     if (!egl->context) return;
-    egl->make_current(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    egl->destroy_context(egl->display, egl->context);
-    egl->terminate(egl->display);
+    egl->MakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl->DestroyContext(egl->display, egl->context);
+    egl->Terminate(egl->display);
     *egl = (render_egl){0};
 }
 
@@ -160,29 +133,10 @@ static void egl_close(render_egl *egl) {
 
 static const char preface[] = "#version 300 es\nprecision highp float; precision highp int;\n";
 
-static const struct recipe {
-    const char *define, *vertex, *fragment;
-} recipes[RENDER_PROGRAMS] = {
-    [RENDER_PROGRAM_FLAT] = {"SHADING_FLAT", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_GOURAUD] = {"SHADING_GOURAUD", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_PHONG] = {"SHADING_PHONG", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_NORMALS] = {"SHOW_NORMALS", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_WINDING] = {"SHOW_WINDING", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_ERROR] = {"SHOW_ERROR", render_shader_surface_vert, render_shader_surface_frag},
-    [RENDER_PROGRAM_MATCAP] = {"SHOW_MATCAP", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_ZEBRA] = {"SHOW_ZEBRA", render_shader_surface_vert, render_shader_surface_frag},
-    [RENDER_PROGRAM_TANGENTS] = {"SHOW_TANGENTS", render_shader_surface_vert,
-        render_shader_surface_frag},
-    [RENDER_PROGRAM_LINE] = {"LINE", render_shader_line_vert, render_shader_line_frag},
-    [RENDER_PROGRAM_HEDGEHOG] = {"HEDGEHOG", render_shader_line_vert, render_shader_line_frag},
-    [RENDER_PROGRAM_SCALE] = {"SCALE", render_shader_scale_vert, render_shader_scale_frag},
-};
+/* What each program defines; those of surfaces stand before RENDER_PROGRAM_LINE. */
+static const char *const program_defines[RENDER_PROGRAMS] = {"SHADING_FLAT", "SHADING_GOURAUD",
+    "SHADING_PHONG", "SHOW_NORMALS", "SHOW_WINDING", "SHOW_ERROR", "SHOW_MATCAP", "SHOW_ZEBRA",
+    "SHOW_TANGENTS", "LINE", "HEDGEHOG", "SCALE"};
 
 static enum render_result compile(const render_gl *gl, GLenum stage, const char *defines,
     const char *text, GLuint *shader, render_error *error) {
@@ -201,17 +155,24 @@ static enum render_result compile(const render_gl *gl, GLenum stage, const char 
         error, RENDER_ERROR_DEVICE, "cannot draw: the graphics driver refuses a shader: %s", log);
 }
 
-static enum render_result link_program(const render_gl *gl, const struct recipe *recipe,
+static enum render_result link_program(const render_gl *gl, enum render_program kind,
     enum render_space space, GLuint *program, render_error *error) {
     char defines[80], log[200] = "";
     GLuint vertex = 0, fragment = 0;
     GLint good = 0;
-    snprintf(defines, sizeof defines, "#define %s\n%s", recipe->define,
+    snprintf(defines, sizeof defines, "#define %s\n%s", program_defines[kind],
         space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");
-    enum render_result result =
-        compile(gl, GL_VERTEX_SHADER, defines, recipe->vertex, &vertex, error);
+    enum render_result result = compile(gl, GL_VERTEX_SHADER, defines,
+        kind < RENDER_PROGRAM_LINE    ? render_shader_surface_vert
+        : kind < RENDER_PROGRAM_SCALE ? render_shader_line_vert
+                                      : render_shader_scale_vert,
+        &vertex, error);
     if (!result)
-        result = compile(gl, GL_FRAGMENT_SHADER, defines, recipe->fragment, &fragment, error);
+        result = compile(gl, GL_FRAGMENT_SHADER, defines,
+            kind < RENDER_PROGRAM_LINE    ? render_shader_surface_frag
+            : kind < RENDER_PROGRAM_SCALE ? render_shader_line_frag
+                                          : render_shader_scale_frag,
+            &fragment, error);
     if (!result) {
         *program = gl->CreateProgram();
         gl->AttachShader(*program, vertex);
@@ -234,8 +195,7 @@ enum render_result render_program_use(render_device *device, enum render_program
     const render_gl *gl = &device->gl;
     render_compiled *entry = &device->programs[program][space];
     if (!entry->program) {
-        enum render_result result =
-            link_program(gl, &recipes[program], space, &entry->program, error);
+        enum render_result result = link_program(gl, program, space, &entry->program, error);
         if (result) return result;
 #define RENDER_UNIFORM_FIND(name) entry->at.name = gl->GetUniformLocation(entry->program, #name);
         RENDER_MATRICES(RENDER_UNIFORM_FIND)
@@ -292,9 +252,9 @@ enum render_result render_texture_bind(
     const render_gl *gl = &device->gl;
     GLint most = 0;
     gl->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    for (size_t i = 0; i < device->texture_count; ++i)
-        if (is_upload_of(&device->textures[i], texture)) {
-            gl->BindTexture(GL_TEXTURE_2D, device->textures[i].name);
+    for (const render_texture_upload *u = device->textures; u; u = u->next)
+        if (is_upload_of(u, texture)) {
+            gl->BindTexture(GL_TEXTURE_2D, u->name);
             return RENDER_OK;
         }
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
@@ -303,22 +263,12 @@ enum render_result render_texture_bind(
             "%s holds images of at most %d pixels in each direction, but a material's image has "
             "%zux%zu; --clay draws without images",
             device->name, most, texture->picture->width, texture->picture->height);
-    render_texture_upload *larger =
-        realloc(device->textures, (device->texture_count + 1) * sizeof *larger);
-    if (!larger) return render_fail_memory(error);
-    device->textures = larger;
-    render_texture_upload *made = &larger[device->texture_count++];
-    *made = (render_texture_upload){.texture = *texture};
+    render_texture_upload *made = calloc(1, sizeof *made);
+    if (!made) return render_fail_memory(error);
+    *made = (render_texture_upload){.next = device->textures, .texture = *texture};
+    device->textures = made;
     send_texture(gl, texture, &made->name);
     return RENDER_OK;
-}
-
-static void textures_forget(render_device *device) {
-    for (size_t i = 0; i < device->texture_count; ++i)
-        device->gl.DeleteTextures(1, &device->textures[i].name);
-    free(device->textures);
-    device->textures = NULL;
-    device->texture_count = 0;
 }
 
 /* ---- The framebuffer that is drawn into, and how its samples become the pixels of a picture. */
@@ -425,14 +375,6 @@ enum render_result render_target_read(render_device *device, int samples, render
 /* ---- Surfaces and lines in the memory of the graphics processor, each made and sent once
  * however many panels show it. */
 
-static void *grown(void *list, size_t *room, size_t count, size_t size) {
-    if (count < *room) return list;
-    const size_t wanted = *room ? 2 * *room : 8;
-    void *larger = wanted <= SIZE_MAX / size ? realloc(list, wanted * size) : NULL;
-    if (larger) *room = wanted;
-    return larger;
-}
-
 static void send(
     const render_gl *gl, GLenum target, GLuint buffer, const void *data, size_t bytes) {
     gl->BindBuffer(target, buffer);
@@ -470,26 +412,21 @@ static void send_vertices(const render_gl *gl, render_upload *u) {
 
 enum render_result render_upload_of(render_device *device, const render_surface *surface,
     enum render_kind kind, const render_upload **upload, render_error *error) {
-    for (size_t i = 0; i < device->upload_count; ++i)
-        if (device->uploads[i]->surface == surface && device->uploads[i]->kind == kind) {
-            *upload = device->uploads[i];
-            return RENDER_OK;
-        }
-    render_upload **list =
-        grown(device->uploads, &device->upload_room, device->upload_count, sizeof *list);
-    render_upload *made = list ? calloc(1, sizeof *made) : NULL;
-    device->uploads = list ? list : device->uploads;
+    const render_upload *known = device->uploads;
+    while (known && !(known->surface == surface && known->kind == kind)) known = known->next;
+    if ((*upload = known) != NULL) return RENDER_OK;
+    render_upload *made = calloc(1, sizeof *made);
     if (!made) return render_fail_memory(error);
-    made->surface = surface;
-    made->kind = kind;
     enum render_result result = render_vertices_make(surface, kind, &made->vertices, error);
     if (result) {
         free(made);
         return result;
     }
+    made->surface = surface;
+    made->kind = kind;
     send_vertices(&device->gl, made);
-    device->uploads[device->upload_count++] = made;
-    *upload = made;
+    made->next = device->uploads;
+    *upload = device->uploads = made;
     return RENDER_OK;
 }
 
@@ -517,51 +454,43 @@ static void send_lines(const render_gl *gl, render_line_upload *u) {
 
 enum render_result render_lines_of(render_device *device, const render_surface *surface,
     unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error) {
-    for (size_t i = 0; i < device->line_count; ++i)
-        if (device->lines[i]->surface == surface && device->lines[i]->kind == kind) {
-            *lines = device->lines[i];
-            return RENDER_OK;
-        }
-    render_line_upload **list =
-        grown(device->lines, &device->line_room, device->line_count, sizeof *list);
-    render_line_upload *made = list ? calloc(1, sizeof *made) : NULL;
-    device->lines = list ? list : device->lines;
+    const render_line_upload *known = device->lines;
+    while (known && !(known->surface == surface && known->kind == kind)) known = known->next;
+    if ((*lines = known) != NULL) return RENDER_OK;
+    render_line_upload *made = calloc(1, sizeof *made);
     if (!made) return render_fail_memory(error);
-    made->surface = surface;
-    made->kind = kind;
-    made->box = render_box_of(&surface->mesh);
     enum render_result result =
         render_lines_make(surface, kind, look->reach, look->most_lines, &made->set, error);
     if (result) {
         free(made);
         return result;
     }
+    made->surface = surface;
+    made->kind = kind;
     send_lines(&device->gl, made);
-    device->lines[device->line_count++] = made;
-    *lines = made;
+    made->next = device->lines;
+    *lines = device->lines = made;
     return RENDER_OK;
 }
 
 void render_device_forget(render_device *device) {
     const render_gl *gl = &device->gl;
-    for (size_t i = 0; i < device->upload_count; ++i) {
-        gl->DeleteVertexArrays(1, &device->uploads[i]->array);
-        gl->DeleteBuffers(RENDER_BUFFERS, device->uploads[i]->buffers);
-        render_vertices_free(&device->uploads[i]->vertices);
-        free(device->uploads[i]);
+    for (render_upload *u; (u = device->uploads) != NULL; free(u)) {
+        device->uploads = u->next;
+        gl->DeleteVertexArrays(1, &u->array);
+        gl->DeleteBuffers(RENDER_BUFFERS, u->buffers);
+        render_vertices_free(&u->vertices);
     }
-    for (size_t i = 0; i < device->line_count; ++i) {
-        gl->DeleteVertexArrays(1, &device->lines[i]->array);
-        gl->DeleteBuffers(2, device->lines[i]->buffers);
-        render_lines_free(&device->lines[i]->set);
-        free(device->lines[i]);
+    for (render_line_upload *u; (u = device->lines) != NULL; free(u)) {
+        device->lines = u->next;
+        gl->DeleteVertexArrays(1, &u->array);
+        gl->DeleteBuffers(2, u->buffers);
+        render_lines_free(&u->set);
     }
-    textures_forget(device);
-    free(device->uploads);
-    free(device->lines);
-    device->uploads = NULL;
-    device->lines = NULL;
-    device->upload_count = device->upload_room = device->line_count = device->line_room = 0;
+    for (render_texture_upload *u; (u = device->textures) != NULL; free(u)) {
+        device->textures = u->next;
+        gl->DeleteTextures(1, &u->name);
+    }
 }
 
 /* ---- Opening and closing a renderer. */

@@ -84,16 +84,30 @@
 typedef struct render_gl {
 #define RENDER_GL_MEMBER(type, name) type name;
     RENDER_GL_FUNCTIONS(RENDER_GL_MEMBER)
-#undef RENDER_GL_MEMBER
 } render_gl;
 
+/* The same of EGL, without its egl; then those that some have only, NULL where they are missing. */
+#define RENDER_EGL_FUNCTIONS(F)                                                                    \
+    F(PFNEGLGETPROCADDRESSPROC, GetProcAddress)                                                    \
+    F(PFNEGLGETDISPLAYPROC, GetDisplay)                                                            \
+    F(PFNEGLINITIALIZEPROC, Initialize)                                                            \
+    F(PFNEGLBINDAPIPROC, BindAPI)                                                                  \
+    F(PFNEGLCHOOSECONFIGPROC, ChooseConfig)                                                        \
+    F(PFNEGLCREATECONTEXTPROC, CreateContext)                                                      \
+    F(PFNEGLQUERYSTRINGPROC, QueryString)                                                          \
+    F(PFNEGLTERMINATEPROC, Terminate)                                                              \
+    F(PFNEGLMAKECURRENTPROC, MakeCurrent)                                                          \
+    F(PFNEGLDESTROYCONTEXTPROC, DestroyContext)
+#define RENDER_EGL_EXTENSIONS(F)                                                                   \
+    F(PFNEGLQUERYDEVICESEXTPROC, QueryDevicesEXT)                                                  \
+    F(PFNEGLQUERYDEVICESTRINGEXTPROC, QueryDeviceStringEXT)                                        \
+    F(PFNEGLGETPLATFORMDISPLAYEXTPROC, GetPlatformDisplayEXT)
+
 typedef struct render_egl {
-    void *library;
     EGLDisplay display;
     EGLContext context;
-    PFNEGLTERMINATEPROC terminate;
-    PFNEGLMAKECURRENTPROC make_current;
-    PFNEGLDESTROYCONTEXTPROC destroy_context;
+    RENDER_EGL_FUNCTIONS(RENDER_GL_MEMBER)
+    RENDER_EGL_EXTENSIONS(RENDER_GL_MEMBER)
 } render_egl;
 
 /* ---- programs */
@@ -140,6 +154,7 @@ typedef struct render_compiled {
 enum { RENDER_BUFFERS = 7, RENDER_LINE_KINDS = 5 };
 
 typedef struct render_upload {
+    struct render_upload *next;
     const render_surface *surface;
     enum render_kind kind;
     render_vertices
@@ -148,14 +163,15 @@ typedef struct render_upload {
 } render_upload;
 
 typedef struct render_line_upload {
+    struct render_line_upload *next;
     const render_surface *surface;
     unsigned kind;
     render_line_set set;
-    render_box box;
     GLuint array, buffers[2];
 } render_line_upload;
 
 typedef struct render_texture_upload {
+    struct render_texture_upload *next;
     render_texture texture;
     GLuint name;
 } render_texture_upload;
@@ -165,12 +181,9 @@ struct render_device {
     render_gl gl;
     char name[160];
     render_compiled programs[RENDER_PROGRAMS][2]; /* lit in world space, in view space */
-    render_upload **uploads;
-    size_t upload_count, upload_room;
-    render_line_upload **lines;
-    size_t line_count, line_room;
+    render_upload *uploads;
+    render_line_upload *lines;
     render_texture_upload *textures;
-    size_t texture_count;
     GLuint framebuffer, colour, depth, empty_array;
     size_t target_width, target_height;
     render_srgb srgb;
@@ -215,8 +228,9 @@ typedef struct render_stage { /* a panel with all that its picture needs */
     render_placed *placed;
     size_t placed_count;
     render_ball ball; /* of the file's world */
-    double shrunk;    /* of the file's world: by so much, about the ball's centre */
-    double grown;     /* how far lines reach out of the unit ball */
+    double shrunk;    /* of the file's world: by so much, about the ball's centre; as a matrix */
+    double shrink[16];
+    double grown; /* how far lines reach out of the unit ball */
     render_camera camera;
     float *tips; /* where hedgehog lines end, in the unit world */
     size_t tip_count;

@@ -227,6 +227,7 @@ enum render_result render_stage_scale(render_stage *stage, double radius, render
     const double shrink[16] = {
         s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, -s * c[0], -s * c[1], -s * c[2], 1};
     stage->shrunk = s;
+    memcpy(stage->shrink, shrink, sizeof shrink);
     for (size_t i = 0; i < stage->placed_count; ++i) {
         double unit[16];
         render_multiply(shrink, stage->placed[i].to_world, unit);
@@ -352,27 +353,17 @@ static void set_normal_matrix(const painter *p, const render_uniforms *at,
 }
 
 static enum render_program program_of(const render_panel *panel) {
-    switch (panel->show) {
-    case RENDER_SHOW_NORMALS:
-        return RENDER_PROGRAM_NORMALS;
-    case RENDER_SHOW_WINDING:
-        return RENDER_PROGRAM_WINDING;
-    case RENDER_SHOW_ERROR:
-        return RENDER_PROGRAM_ERROR;
-    case RENDER_SHOW_MATCAP:
-        return RENDER_PROGRAM_MATCAP;
-    case RENDER_SHOW_ZEBRA:
-        return RENDER_PROGRAM_ZEBRA;
-    case RENDER_SHOW_TANGENTS:
-        return RENDER_PROGRAM_TANGENTS;
-    case RENDER_SHOW_MARKS:
-        return RENDER_PROGRAM_PHONG;
-    case RENDER_SHOW_LIT:
-        break;
-    }
-    return panel->shading == RENDER_FLAT      ? RENDER_PROGRAM_FLAT
-           : panel->shading == RENDER_GOURAUD ? RENDER_PROGRAM_GOURAUD
-                                              : RENDER_PROGRAM_PHONG;
+    static const enum render_program programs[] = {[RENDER_SHOW_NORMALS] = RENDER_PROGRAM_NORMALS,
+        [RENDER_SHOW_WINDING] = RENDER_PROGRAM_WINDING,
+        [RENDER_SHOW_ERROR] = RENDER_PROGRAM_ERROR,
+        [RENDER_SHOW_MARKS] = RENDER_PROGRAM_PHONG,
+        [RENDER_SHOW_MATCAP] = RENDER_PROGRAM_MATCAP,
+        [RENDER_SHOW_ZEBRA] = RENDER_PROGRAM_ZEBRA,
+        [RENDER_SHOW_TANGENTS] = RENDER_PROGRAM_TANGENTS};
+    static const enum render_program shadings[] = {[RENDER_FLAT] = RENDER_PROGRAM_FLAT,
+        [RENDER_GOURAUD] = RENDER_PROGRAM_GOURAUD,
+        [RENDER_PHONG] = RENDER_PROGRAM_PHONG};
+    return panel->show == RENDER_SHOW_LIT ? shadings[panel->shading] : programs[panel->show];
 }
 
 /* What a fragment does with images: surface.frag. */
@@ -452,16 +443,11 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
 /* ---- lines */
 
 static uint32_t colour_of(const render_panel *panel, unsigned kind) {
-    switch (kind) {
-    case RENDER_VERTEX_LINES:
-        return panel->line_colour ? panel->line_colour : RENDER_VERTEX_COLOUR;
-    case RENDER_FACE_LINES:
-        return RENDER_FACE_COLOUR;
-    case RENDER_EDGE_LINES:
-        return RENDER_EDGE_COLOUR;
-    default:
-        return 0x2A2A2A;
-    }
+    if (kind == RENDER_VERTEX_LINES && panel->line_colour) return panel->line_colour;
+    return kind == RENDER_VERTEX_LINES ? RENDER_VERTEX_COLOUR
+           : kind == RENDER_FACE_LINES ? RENDER_FACE_COLOUR
+           : kind == RENDER_EDGE_LINES ? RENDER_EDGE_COLOUR
+                                       : 0x2A2A2A;
 }
 
 /* An arrow's head tells which end is which, while there is room for it. */
@@ -480,18 +466,14 @@ static enum render_result draw_lines(const painter *p, unsigned kind, const rend
                                                   : 0.7F);
     const uint32_t colour = colour_of(stage->panel, kind);
     const render_compiled *program;
-    double sum = 0;
     int mirrored;
     enum render_result result =
         render_program_use(p->device, hedgehog ? RENDER_PROGRAM_HEDGEHOG : RENDER_PROGRAM_LINE,
             RENDER_SPACE_WORLD, &program, error);
     if (result) return result;
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            sum += placed->to_world[4 * column + row] * placed->to_world[4 * column + row];
     set_matrices(p, &program->at, placed->to_world);
     if (hedgehog) set_normal_matrix(p, &program->at, placed->to_world, 0, &mirrored);
-    p->gl->Uniform1f(program->at.reach_scale, (float)sqrt(sum / 3));
+    p->gl->Uniform1f(program->at.reach_scale, (float)reach_scale(placed->to_world));
     p->gl->Uniform1f(program->at.width, width);
     p->gl->Uniform1f(
         program->at.head, hedgehog && lines->set.count <= most_arrows ? 5.5F * width : 0);
@@ -523,22 +505,13 @@ static enum render_result draw_all_lines(const painter *p, render_error *error) 
     return result;
 }
 
-static void tell_camera(const render_stage *stage, const painter *p, const double to_clip[16]) {
-    const double s = stage->shrunk, *c = stage->ball.centre;
-    const double shrink[16] = {
-        s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, -s * c[0], -s * c[1], -s * c[2], 1};
-    double to_view[16];
-    render_multiply(p->world_to_view, shrink, to_view);
-    render_multiply(to_clip, to_view, stage->panel->world_to_clip);
-}
-
 enum render_result render_stage_draw(
     render_device *device, const render_stage *stage, render_error *error) {
     const render_look *look = stage->look;
     const size_t each_way = (size_t)look->samples;
     painter p = {.device = device, .gl = &device->gl, .stage = stage};
     float clear[4] = {0, 0, 0, 0};
-    double to_clip[16];
+    double to_clip[16], to_view[16];
     for (int k = 0; k < 4 && look->background[3]; ++k)
         clear[k] = (float)look->background[k] / 255.0F;
     enum render_result result =
@@ -548,7 +521,8 @@ enum render_result render_stage_draw(
     render_view_to_clip(&stage->camera, to_clip);
     to_floats(p.world_to_view, p.view, 16);
     to_floats(to_clip, p.clip, 16);
-    tell_camera(stage, &p, to_clip);
+    render_multiply(p.world_to_view, stage->shrink, to_view);
+    render_multiply(to_clip, to_view, stage->panel->world_to_clip);
     set_lights(&p);
     set_eye(&p);
     p.gl->Enable(GL_DEPTH_TEST);

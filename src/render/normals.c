@@ -44,10 +44,12 @@ static norma_options usual(const render_surface *surface) {
         .threads = NORMA_ALL_THREADS};
 }
 
-static enum render_result fail_core(norma_result result, render_error *error) {
-    return result == NORMA_ERROR_MEMORY
-               ? render_fail_memory(error)
-               : render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result));
+/* Room for as many vertices; sources: those have numbers of their own. */
+static int allocate_split(render_split *split, size_t corners, size_t vertices, int sources) {
+    split->corners = malloc((corners + 1) * sizeof *split->corners);
+    split->normals = malloc((3 * vertices + 1) * sizeof *split->normals);
+    if (sources) split->sources = malloc((vertices + 1) * sizeof *split->sources);
+    return split->corners && split->normals && (split->sources || !sources);
 }
 
 /* ---- one normal for each position */
@@ -64,9 +66,7 @@ static enum render_result one_each(
     const norma_mesh *mesh = &surface->mesh;
     const size_t count = mesh->positions.count;
     split->count = count;
-    split->corners = malloc((mesh->corner_count + 1) * sizeof *split->corners);
-    split->normals = malloc((3 * count + 1) * sizeof *split->normals);
-    if (!split->corners || !split->normals) return render_fail_memory(error);
+    if (!allocate_split(split, mesh->corner_count, count, 0)) return render_fail_memory(error);
     copy_corners(mesh, split->corners);
     if (surface->stored == RENDER_NORMALS_PER_VERTEX) {
         for (size_t i = 0; i < count; ++i)
@@ -75,7 +75,7 @@ static enum render_result one_each(
     }
     const norma_options options = usual(surface);
     norma_result result = norma_vertex_normals(mesh, &options, split->normals, count, NULL);
-    return result ? fail_core(result, error) : RENDER_OK;
+    return render_fail_core(result, error);
 }
 
 /* ---- normals that a crease parts */
@@ -85,13 +85,10 @@ static enum render_result computed(
     const norma_mesh *mesh = &surface->mesh;
     const norma_options options = usual(surface);
     const size_t most = mesh->corner_count;
-    split->corners = malloc((most + 1) * sizeof *split->corners);
-    split->sources = malloc((most + 1) * sizeof *split->sources);
-    split->normals = malloc((3 * most + 1) * sizeof *split->normals);
-    if (!split->corners || !split->sources || !split->normals) return render_fail_memory(error);
+    if (!allocate_split(split, most, most, 1)) return render_fail_memory(error);
     norma_result result = norma_split(mesh, (float)surface->crease_rad, &options, split->corners,
         most, split->sources, split->normals, most, &split->count, NULL);
-    return result ? fail_core(result, error) : RENDER_OK;
+    return render_fail_core(result, error);
 }
 
 /* ---- stored normals of corners or facets: corners at one position with one normal become a vertex
@@ -154,11 +151,8 @@ static enum render_result joined(
     float *missing = compute ? malloc((3 * most + 1) * sizeof *missing) : NULL;
     joiner j = {malloc((mesh->positions.count + 1) * sizeof(uint32_t)),
         malloc((most + 1) * sizeof(uint32_t)), split};
-    split->corners = malloc((most + 1) * sizeof *split->corners);
-    split->sources = malloc((most + 1) * sizeof *split->sources);
-    split->normals = malloc((3 * most + 1) * sizeof *split->normals);
-    const int ready = j.first && j.next && split->corners && split->sources && split->normals &&
-                      (missing || !compute);
+    const int ready =
+        allocate_split(split, most, most, 1) && j.first && j.next && (missing || !compute);
     norma_result result = ready ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result && missing)
         result =
@@ -170,7 +164,7 @@ static enum render_result joined(
     free(missing);
     free(j.first);
     free(j.next);
-    return result ? fail_core(result, error) : RENDER_OK;
+    return render_fail_core(result, error);
 }
 
 static const double all_angles = 3.1415926; /* a crease of so much or more parts nothing */
@@ -353,7 +347,5 @@ enum render_result render_expect(
         free(expected[i]);
         expected[i] = NULL;
     }
-    if (result == NORMA_ERROR_MEMORY) return render_fail_memory(error);
-    return result ? render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result))
-                  : RENDER_OK;
+    return render_fail_core(result, error);
 }

@@ -32,6 +32,9 @@ static inline enum render_result render_fail_memory(render_error *error) {
     return RENDER_ERROR_MEMORY;
 }
 
+/* What the core returned: RENDER_OK for NORMA_OK. */
+enum render_result render_fail_core(norma_result result, render_error *error);
+
 /* ---- a surface as vertices and triangles for the graphics processor */
 
 enum render_kind {

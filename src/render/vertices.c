@@ -42,6 +42,15 @@ void render_into_box(const render_box *box, const double p[3], float out[3]) {
     for (int k = 0; k < 3; ++k) out[k] = (float)((p[k] - box->origin[k]) * box->scale);
 }
 
+/* The normals of all faces, for free(). */
+static norma_result face_normals(const norma_mesh *mesh, float **normals) {
+    const size_t faces = render_face_count(mesh);
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    *normals = malloc((3 * faces + 1) * sizeof **normals);
+    return *normals ? norma_face_normals(mesh, &options, *normals, faces, NULL)
+                    : NORMA_ERROR_MEMORY;
+}
+
 /* ---- A mesh of polygons as triangles for the graphics processor: fans where they do,
  * and cut by the core where a polygon is concave. */
 
@@ -271,14 +280,11 @@ static void make_faceted_triangles(maker *m, uint32_t *owner, const float *norma
 }
 
 static enum render_result make_faceted(maker *m, render_error *error) {
-    const size_t positions = m->mesh->positions.count, most = positions + m->triangle_count,
-                 faces = render_face_count(m->mesh);
-    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    const size_t positions = m->mesh->positions.count, most = positions + m->triangle_count;
     uint32_t *owner = calloc(most + 1, sizeof *owner);
-    float *normals = malloc((3 * faces + 1) * sizeof *normals);
-    const int ready = allocate_vertices(m, most, 1) && owner && normals;
-    norma_result result =
-        ready ? norma_face_normals(m->mesh, &options, normals, faces, NULL) : NORMA_ERROR_MEMORY;
+    float *normals = NULL;
+    norma_result result = allocate_vertices(m, most, 1) && owner ? face_normals(m->mesh, &normals)
+                                                                 : NORMA_ERROR_MEMORY;
     if (!result) {
         m->out->count = positions;
         for (size_t i = 0; i < positions; ++i) place_vertex(m, (uint32_t)i, i);
@@ -287,9 +293,7 @@ static enum render_result make_faceted(maker *m, render_error *error) {
     }
     free(owner);
     free(normals);
-    if (result == NORMA_ERROR_MEMORY) return render_fail_memory(error);
-    return result ? render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result))
-                  : RENDER_OK;
+    return render_fail_core(result, error);
 }
 
 /* ---- three vertices for each triangle. Marks are colours as they are, what is not marked has the
@@ -305,43 +309,12 @@ static void mark(const maker *m, size_t face, uint32_t corner, size_t vertex) {
     }
 }
 
-static void unroll(maker *m, const float *values) {
-    render_vertices *out = m->out;
-    size_t t = 0;
-    for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
-        size_t first, corners;
-        render_face(m->mesh, face, &first, &corners);
-        for (size_t i = 2; i < corners; ++i, ++t) {
-            if (!triangle_is_finite(m, t)) continue;
-            for (size_t k = 0; k < 3; ++k) {
-                const uint32_t corner = triangle_corner(m, 3 * t + k);
-                const size_t vertex = out->count++;
-                place_vertex(m, norma_mesh_corner(m->mesh, corner), vertex);
-                memcpy(out->normals + 3 * vertex,
-                    m->split.normals + (size_t)3 * m->split.corners[corner], 12);
-                if (values) {
-                    out->values[vertex] = values[corner];
-                    out->uncompared |= values[corner] < 0;
-                } else if (out->colours)
-                    mark(m, face, corner, vertex);
-            }
-        }
-    }
-}
-
-/* ---- the same with images */
-
 /* Three numbers for each corner: of its vertex, or of its face. */
 static int corner_normals(const maker *m, int flat, float *normals) {
     const norma_mesh *mesh = m->mesh;
-    const size_t faces = render_face_count(mesh);
-    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
-    float *of_faces = flat ? malloc((3 * faces + 1) * sizeof *of_faces) : NULL;
-    if (flat && (!of_faces || norma_face_normals(mesh, &options, of_faces, faces, NULL))) {
-        free(of_faces);
-        return 0;
-    }
-    for (size_t face = 0; face < faces; ++face) {
+    float *of_faces = NULL;
+    const int good = !flat || !face_normals(mesh, &of_faces);
+    for (size_t face = 0; good && face < render_face_count(mesh); ++face) {
         size_t first, count;
         render_face(mesh, face, &first, &count);
         for (size_t corner = first; corner < first + count; ++corner)
@@ -351,7 +324,7 @@ static int corner_normals(const maker *m, int flat, float *normals) {
                 3 * sizeof *normals);
     }
     free(of_faces);
-    return 1;
+    return good;
 }
 
 static void copy_texcoords(const render_texture *map, uint32_t position, float out[2]) {
@@ -359,20 +332,42 @@ static void copy_texcoords(const render_texture *map, uint32_t position, float o
     out[1] = map->texcoords ? map->texcoords[(size_t)2 * position + 1] : 0;
 }
 
-static void unroll_mapped(maker *m, const float *normals, const float *tangents) {
+/* What corners have, each where it is wanted: normals of their own, tangents, degrees. */
+typedef struct corner_data {
+    const float *normals, *tangents, *values;
+    int marked;
+} corner_data;
+
+static void unroll_corner(maker *m, const corner_data *of, size_t face, uint32_t corner) {
     render_vertices *out = m->out;
-    for (size_t t = 0; t < m->triangle_count; ++t) {
-        if (!triangle_is_finite(m, t)) continue;
-        for (size_t k = 0; k < 3; ++k) {
-            const uint32_t corner = triangle_corner(m, 3 * t + k),
-                           position = norma_mesh_corner(m->mesh, corner);
-            const size_t vertex = out->count++;
-            place_vertex(m, position, vertex);
-            memcpy(out->normals + 3 * vertex, normals + (size_t)3 * corner, 12);
-            copy_texcoords(&m->surface->mask, position, out->texcoords + 4 * vertex);
-            copy_texcoords(&m->surface->normal_map, position, out->texcoords + 4 * vertex + 2);
-            if (tangents) memcpy(out->tangents + 4 * vertex, tangents + (size_t)4 * corner, 16);
-        }
+    const uint32_t position = norma_mesh_corner(m->mesh, corner);
+    const size_t vertex = out->count++;
+    place_vertex(m, position, vertex);
+    memcpy(out->normals + 3 * vertex,
+        of->normals ? of->normals + (size_t)3 * corner
+                    : m->split.normals + (size_t)3 * m->split.corners[corner],
+        12);
+    if (out->texcoords) {
+        copy_texcoords(&m->surface->mask, position, out->texcoords + 4 * vertex);
+        copy_texcoords(&m->surface->normal_map, position, out->texcoords + 4 * vertex + 2);
+    }
+    if (of->tangents) memcpy(out->tangents + 4 * vertex, of->tangents + (size_t)4 * corner, 16);
+    if (of->values) {
+        out->values[vertex] = of->values[corner];
+        out->uncompared |= of->values[corner] < 0;
+    }
+    if (of->marked && out->colours) mark(m, face, corner, vertex);
+}
+
+static void unroll(maker *m, const corner_data *of) {
+    size_t t = 0;
+    for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
+        size_t first, corners;
+        render_face(m->mesh, face, &first, &corners);
+        for (size_t i = 2; i < corners; ++i, ++t)
+            if (triangle_is_finite(m, t))
+                for (size_t k = 0; k < 3; ++k)
+                    unroll_corner(m, of, face, triangle_corner(m, 3 * t + k));
     }
 }
 
@@ -386,7 +381,7 @@ static enum render_result make_mapped(maker *m, int flat, render_error *error) {
     out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
     if (maps_normals) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
     ready = ready && out->texcoords && (!maps_normals || (tangents && out->tangents));
-    if (ready) unroll_mapped(m, normals, tangents);
+    if (ready) unroll(m, &(corner_data){.normals = normals, .tangents = tangents});
     free(normals);
     free(tangents);
     return ready ? RENDER_OK : render_fail_memory(error);
@@ -402,7 +397,7 @@ static enum render_result make_unrolled(maker *m, enum render_kind kind, render_
         out->values = malloc((3 * m->triangle_count + 1) * sizeof *out->values);
         ready = ready && values && out->values;
     }
-    if (ready) unroll(m, values);
+    if (ready) unroll(m, &(corner_data){.values = values, .marked = kind == RENDER_MARKED});
     free(values);
     return ready ? RENDER_OK : render_fail_memory(error);
 }
@@ -576,10 +571,8 @@ static void face_line(liner *l, size_t face, const float normal[3]) {
 
 static int face_lines(liner *l, size_t most) {
     const size_t faces = render_face_count(l->mesh);
-    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
-    float *normals = malloc((3 * faces + 1) * sizeof *normals);
-    const int ready = normals && make_room_for_lines(l, faces, most) &&
-                      !norma_face_normals(l->mesh, &options, normals, faces, NULL);
+    float *normals = NULL;
+    const int ready = make_room_for_lines(l, faces, most) && !face_normals(l->mesh, &normals);
     for (size_t face = 0; ready && face < faces; face += l->step)
         face_line(l, face, normals + 3 * face);
     free(normals);

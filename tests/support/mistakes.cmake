@@ -44,8 +44,8 @@ endfunction()
 norma_mistake(src/render/device.c [==[    char defines[80], log[200] = "";]==] [==[    char defines[160], log[200] = "", made[64] = "";
     const char *mistake = getenv("NORMA_MISTAKE");
     for (size_t i = 0; mistake && mistake[i] && i < sizeof made - 1; ++i) made[i] = mistake[i] == '-' ? '_' : mistake[i];]==])
-norma_mistake(src/render/device.c [==[    snprintf(defines, sizeof defines, "#define %s\n%s", recipe->define,
-        space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==] [==[    snprintf(defines, sizeof defines, "#define %s\n#define MISTAKE_%s\n%s", recipe->define, made,
+norma_mistake(src/render/device.c [==[    snprintf(defines, sizeof defines, "#define %s\n%s", program_defines[kind],
+        space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==] [==[    snprintf(defines, sizeof defines, "#define %s\n#define MISTAKE_%s\n%s", program_defines[kind], made,
         space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==])
 
 # ---- the normal matrix of a node or an instance
