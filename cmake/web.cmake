@@ -191,5 +191,5 @@ add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
 
 # norma view: the page lies in the tool.
-set_source_files_properties(src/cli/view/embedded_page.c PROPERTIES COMPILE_DEFINITIONS "NORMA_PAGE_FILE=\"${web_dir}/page.html\"" OBJECT_DEPENDS ${web_dir}/page.html)
+set_source_files_properties(src/cli/view/view.c PROPERTIES COMPILE_DEFINITIONS "NORMA_PAGE_FILE=\"${web_dir}/page.html\"" OBJECT_DEPENDS ${web_dir}/page.html)
 add_dependencies(norma-cli-objects web)

@@ -4,13 +4,42 @@
 #include "cli/files/files.h"
 #include "cli/process/process.h"
 #include "cli/text/text.h"
-#include "cli/view/embedded_page.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- The page lies in the tool as read-only data. NORMA_PAGE_FILE is its path, where the build
+ * made one (-DNORMA_WEB=ON). */
+
+#if defined(NORMA_PAGE_FILE)
+#if defined(__APPLE__)
+#define SECTION    ".const_data\n"
+#define NAME(name) "_" name
+#else
+#define SECTION    ".section .rodata\n"
+#define NAME(name) name
+#endif
+/* clang-format off */
+__asm__(SECTION
+    ".globl " NAME("norma_page_begin") "\n"
+    ".globl " NAME("norma_page_end") "\n"
+    ".balign 16\n"
+    NAME("norma_page_begin") ":\n"
+    ".incbin \"" NORMA_PAGE_FILE "\"\n"
+    NAME("norma_page_end") ":\n"
+    ".byte 0\n"
+    ".text\n");
+/* clang-format on */
+extern const char norma_page_begin[], norma_page_end[];
+#else
+static const char *const norma_page_begin, *const norma_page_end; /* NULL */
+#endif
+
+/* The model's place in it is empty: where a model goes in stand, once each, these marks. */
+static const char *const page_marks[] = {"/*NAME*/", "/*MODEL*/", "/*FILES*/"};
 
 /* ---- Fewer triangles, by meshoptimizer's simplifier (quadrics, Garland and Heckbert 1997),
  * and by its clustering of vertices where that cannot go far enough. Equal positions count as one
@@ -112,7 +141,7 @@ static int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_dec
     return good;
 }
 #else
-int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated) {
+static int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated) {
     (void)mesh, (void)most_triangles, (void)decimated;
     return 1;
 }
@@ -245,14 +274,12 @@ static int write_sources(FILE *out, const char *input, norma_document *document)
 /* document: whose files the page holds too; or NULL. A status. */
 static int write_view_page(
     FILE *out, const char *input, norma_document *document, const view_pack *pack) {
-    static const char *const marks[] = {VIEW_PAGE_NAME, VIEW_PAGE_MODEL, VIEW_PAGE_FILES};
-    size_t size;
     int status = CLI_OK;
-    const char *page = view_page(&size), *end = page + size;
-    for (size_t i = 0; i < CLI_COUNT(marks); ++i) {
-        const char *mark = find_mark(page, end, marks[i]);
+    const char *page = norma_page_begin, *const end = norma_page_end;
+    for (size_t i = 0; i < CLI_COUNT(page_marks); ++i) {
+        const char *mark = find_mark(page, end, page_marks[i]);
         fwrite(page, 1, (size_t)(mark - page), out);
-        page = mark + strlen(marks[i]);
+        page = mark + strlen(page_marks[i]);
         if (i == 0)
             cli_write_outside_html(
                 out, cli_is_standard(input) ? "standard input" : cli_base_name(input));
@@ -399,13 +426,15 @@ static int check_pages(const cli_subcommand *command, view_work *work) {
     return cli_place_outputs(command, &work->files, ".html");
 }
 
-static int has_page(void) {
-    size_t size;
-    if (view_page(&size)) return 1;
+static int check_has_page(void) {
+#if defined(NORMA_PAGE_FILE)
+    return CLI_OK;
+#else
     fputs("norma view: this norma was built without the page; run 'make web' in Norma's sources, "
           "which builds one with it\n",
         stderr);
-    return 0;
+    return CLI_FILE;
+#endif
 }
 
 static int write_one_page(void *user, size_t file) {
@@ -428,7 +457,8 @@ static int make_pages(const cli_subcommand *command, view_work *work) {
     if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
     int status = check_pages(command, work);
     if (!status) status = cli_guard_outputs(&work->files, ".html");
-    if (!status) status = has_page() ? cli_make_out_dir(command, &work->files) : CLI_FILE;
+    if (!status) status = check_has_page();
+    if (!status) status = cli_make_out_dir(command, &work->files);
     const cli_each each = {
         work->files.inputs.count, write_one_page, report_lost_page, work, work->files.guard};
     return status ? status : cli_worse(found, cli_run_each(&each));
