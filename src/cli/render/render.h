@@ -18,6 +18,14 @@
 
 enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_RULES = 256 };
 
+typedef struct render_variant { /* how normals come about; those of one scene may be drawn several
+                                   ways */
+    int compute;                /* although there are stored ones */
+    int crease_given;
+    double crease_rad;
+    norma_weight weight;
+} render_variant;
+
 typedef struct render_settings {
     cli_files files;
     cli_matrix matrix;
@@ -31,15 +39,12 @@ typedef struct render_settings {
     int compare;       /* 1: plain M and the normal matrix; 2: what compare_list says */
     const char *compare_list;
     double azimuth_deg, elevation_deg;
-    int crease_given;
-    double crease_rad;
-    norma_weight weight;
+    render_variant normals; /* compute: --normals computed; stored ones are not looked at */
     int clay; /* materials are left out; -1: where nothing else is looked for in the picture */
     int up_given;
     enum render_up up;
     int has_select; /* findings of some rules only */
     uint8_t select[RENDER_MOST_RULES];
-    int compute; /* --normals computed: stored ones are not looked at */
     int software;
     int light_given;
     unsigned given; /* of enum render_given: options that may turn out to have no effect */
@@ -63,14 +68,6 @@ int render_settings_check(const cli_subcommand *command, render_settings *settin
 int render_guard_outputs(const render_settings *settings);
 
 /* ---- a document as a scene */
-
-typedef struct render_variant { /* how normals come about; those of one scene may be drawn several
-                                   ways */
-    int compute;                /* although there are stored ones */
-    int crease_given;
-    double crease_rad;
-    norma_weight weight;
-} render_variant;
 
 typedef struct render_scene_file {
     norma_document *document;
@@ -112,21 +109,8 @@ norma_document_result render_file_fail(
 
 extern const uint32_t render_finding_colours[4]; /* by severity */
 const char *render_up_name(enum render_up up);
-/* Adds what a picture of the file does not show; and all of it in words. */
-enum {
-    RENDER_NO_POINTS,
-    RENDER_NO_LINES,
-    RENDER_NO_COMPRESSION,
-    RENDER_NO_MESHES,
-    RENDER_NO_NODES,
-    RENDER_NO_IMAGES,
-    RENDER_NO_PLACE,
-    RENDER_LEFT_OUT
-};
-typedef struct render_left_out {
-    size_t counts[RENDER_LEFT_OUT];
-    char images[160]; /* their names */
-} render_left_out;
+enum render_up render_find_up(
+    const norma_document *document, const render_surface *surfaces, size_t count);
 /* Another name at the end of a list; of one that is full, "..." */
 void render_add_name(char *list, size_t room, const char *name);
 /* Usage: options that nothing that is drawn looks at. */
@@ -138,9 +122,9 @@ typedef struct render_plan { /* of one picture */
     render_panel panels[RENDER_MOST_PANELS];
     size_t count;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
-    char left_out[560], keys[4][40];  /* keys: of findings, by severity */
-    size_t found_counts[4], unstored; /* unstored: --show error, surfaces with nothing to compare */
-    render_left_out lost;
+    char left_out[560], keys[4][40]; /* keys: of findings, by severity */
+    const render_scene_file *file;
+    size_t unstored; /* --show error: surfaces with nothing to compare */
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;

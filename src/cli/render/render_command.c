@@ -127,7 +127,6 @@ typedef struct picture_job {
     int has_no_device; /* it could not be opened */
     const char *input;
     size_t index; /* of the input */
-    const render_scene_file *file;
     char *output;
     render_plan plan;
     render_sheet sheet;
@@ -205,10 +204,10 @@ static size_t lines_left_out(const picture_job *job) {
 
 static void notes_json(cli_json *json, const picture_job *job) {
     cli_json_open(json, "notes", '[');
-    for (size_t i = 0; i < norma_document_note_count(job->file->document); ++i)
-        cli_json_string(json, NULL, norma_document_note(job->file->document, i));
-    for (size_t i = 0; i < job->file->note_count; ++i)
-        cli_json_string(json, NULL, job->file->notes[i]);
+    for (size_t i = 0; i < norma_document_note_count(job->plan.file->document); ++i)
+        cli_json_string(json, NULL, norma_document_note(job->plan.file->document, i));
+    for (size_t i = 0; i < job->plan.file->note_count; ++i)
+        cli_json_string(json, NULL, job->plan.file->notes[i]);
     cli_json_close(json, ']');
 }
 
@@ -228,8 +227,8 @@ static void report_picture_json(const picture_job *job) {
     else
         cli_json_null(&json, "largest_difference");
     cli_json_size(&json, "lines_left_out", lines_left_out(job));
-    cli_json_string(&json, "up", render_up_name(job->file->up));
-    cli_json_bool(&json, "up_guessed", job->file->up_guessed);
+    cli_json_string(&json, "up", render_up_name(job->plan.file->up));
+    cli_json_bool(&json, "up_guessed", job->plan.file->up_guessed);
     cli_json_string(&json, "not_drawn", job->plan.left_out);
     /* of the first panel */
     cli_json_numbers(&json, "world_to_clip", job->plan.panels[0].world_to_clip, 16);
@@ -266,12 +265,12 @@ static void report_text(const picture_job *job) {
         cli_count(out, lines_left_out(job));
         fputs(" lines left out (--most-lines)", out);
     }
-    if (job->file->up_guessed)
-        fprintf(out, "; guessed that %s is up (--up)", render_up_name(job->file->up));
+    if (job->plan.file->up_guessed)
+        fprintf(out, "; guessed that %s is up (--up)", render_up_name(job->plan.file->up));
     if (job->plan.left_out[0]) fprintf(out, "; not drawn: %s", job->plan.left_out);
     fputc('\n', out);
     fflush(out);
-    print_notes(job->file);
+    print_notes(job->plan.file);
 }
 
 static void report_picture(const picture_job *job) {
@@ -304,7 +303,6 @@ static int draw_file(picture_job *job) {
     render_scene_file file;
     norma_document_error error = {0};
     job->plan = (render_plan){.settings = settings, .difference = -1};
-    job->file = &file;
     int status = CLI_OK;
     if (render_file_open(settings, job->input, &file, &error))
         status = fail_picture(settings, job->input, &error);
@@ -409,12 +407,6 @@ static float *base_normals(const compared_pair *pair) {
     return normals;
 }
 
-static enum render_up up_of(const compared_pair *pair, const render_surface *surface) {
-    const norma_file_format format = norma_document_format(pair->other.document);
-    if (norma_file_format_is_gltf(format)) return RENDER_UP_Y;
-    return render_guess_up(surface, 1, format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
-}
-
 static enum render_result draw_compared(const compared_pair *pair, const render_surface *surface,
     render_device *device, render_png *png, render_error *error) {
     static const render_draw draw = {.world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
@@ -428,7 +420,7 @@ static enum render_result draw_compared(const compared_pair *pair, const render_
         panels[i] = (render_panel){.scene = &scene,
             .azimuth_deg = settings.azimuth_deg + 180 * i,
             .elevation_deg = settings.elevation_deg,
-            .up = up_of(pair, surface),
+            .up = render_find_up(pair->other.document, surface, 1),
             .show = RENDER_SHOW_ERROR,
             .lines = RENDER_DOTS,
             .above = i ? "from behind" : "from the front"};

@@ -243,12 +243,12 @@ const cli_option render_options[] = {
         .expected = CLI_WHOLE_FROM_1, CLI_GIVEN(render_settings, given, RENDER_GIVEN_MOST)},
     {"error-top", CLI_TO(CLI_DOUBLE, render_settings, look.error_top_deg), .least = DBL_TRUE_MIN,
         .most = 180, .expected = "degrees, above 0 and at most 180"},
-    {"normals", CLI_TO(CLI_CHOICE, render_settings, compute), .words = "stored,computed",
+    {"normals", CLI_TO(CLI_CHOICE, render_settings, normals.compute), .words = "stored,computed",
         .expected = "stored or computed"},
-    {"weight", CLI_TO(CLI_WEIGHT, render_settings, weight),
+    {"weight", CLI_TO(CLI_WEIGHT, render_settings, normals.weight),
         CLI_GIVEN(render_settings, given, RENDER_GIVEN_WEIGHT)},
-    {"crease", CLI_CREASE(render_settings, crease_rad),
-        CLI_GIVEN(render_settings, crease_given, 1)},
+    {"crease", CLI_CREASE(render_settings, normals.crease_rad),
+        CLI_GIVEN(render_settings, normals.crease_given, 1)},
     {"camera", CLI_SET(set_camera)},
     {"fov", CLI_SET(set_fov)},
     {"up", CLI_TO(CLI_CHOICE, render_settings, up), .words = "y,z,x,-y,-z,-x",
@@ -283,7 +283,7 @@ int render_check_idle(const cli_subcommand *command, const render_settings *sett
         return refuse_idle(command, "--line-width", "lines; expected --show hedgehog or wireframe");
     if (settings->look.error_top_deg > 0 && !errors)
         return refuse_idle(command, "--error-top", "errors; expected --show error");
-    if (settings->compute && errors)
+    if (settings->normals.compute && errors)
         return cli_usage(command, "--show error compares stored normals with computed ones; "
                                   "--normals computed leaves none to compare");
     return CLI_OK;
@@ -455,7 +455,7 @@ static int computes_any(const render_scene_file *file, int *flat) {
 /* "--crease, --weight": those of the options that were given. */
 static void name_options(const render_settings *settings, int of_normals, char list[80]) {
     list[0] = '\0';
-    if (of_normals && settings->crease_given) render_add_name(list, 80, "--crease");
+    if (of_normals && settings->normals.crease_given) render_add_name(list, 80, "--crease");
     if (of_normals && settings->given & RENDER_GIVEN_WEIGHT) render_add_name(list, 80, "--weight");
     if (!of_normals && settings->given & RENDER_GIVEN_SHADING)
         render_add_name(list, 80, "--shading");
@@ -483,50 +483,47 @@ static void render_note_idle(const render_settings *settings, render_scene_file 
 
 /* ---- What of a file a picture does not show, in words. */
 
+enum { NO_POINTS, NO_LINES, NO_COMPRESSION, NO_MESHES, NO_NODES, NO_IMAGES, NO_PLACE, LEFT_OUT };
+
 static int is_of(const char *reason, const char *word) {
     return strncmp(reason, word, strlen(word)) == 0;
 }
 
-static void render_file_left_out(
-    const render_settings *settings, const render_scene_file *file, render_left_out *left_out) {
-    size_t *counts = left_out->counts;
+static void count_left_out(
+    const render_settings *settings, const render_scene_file *file, size_t counts[LEFT_OUT]) {
     for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
         norma_mesh_info info;
         if (norma_document_mesh_info(file->document, i, &info) || !info.not_read) continue;
-        ++counts[is_of(info.not_read, "points")  ? RENDER_NO_POINTS
-                 : is_of(info.not_read, "lines") ? RENDER_NO_LINES
-                 : info.compression              ? RENDER_NO_COMPRESSION
-                                                 : RENDER_NO_MESHES];
+        ++counts[is_of(info.not_read, "points")  ? NO_POINTS
+                 : is_of(info.not_read, "lines") ? NO_LINES
+                 : info.compression              ? NO_COMPRESSION
+                                                 : NO_MESHES];
     }
-    counts[RENDER_NO_NODES] += file->not_shown;
-    counts[RENDER_NO_IMAGES] += file->images_left_out;
-    if (file->left_out_names[0])
-        render_add_name(left_out->images, sizeof left_out->images, file->left_out_names);
-    if (settings->show == RENDER_SHOW_MARKS) counts[RENDER_NO_PLACE] += file->found_nowhere;
+    counts[NO_NODES] = file->not_shown;
+    counts[NO_IMAGES] = file->images_left_out;
+    if (settings->show == RENDER_SHOW_MARKS) counts[NO_PLACE] = file->found_nowhere;
 }
 
-static void add_words(
-    char *text, size_t room, size_t count, const char *const words[2], const char *names) {
-    const size_t length = strlen(text);
-    if (count)
-        snprintf(text + length, room - length, "%s%zu %s%s%s%s", length ? ", " : "", count,
-            words[count > 1], *names ? " (" : "", names, *names ? ")" : "");
-}
-
-static void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
-    static const char *const words[RENDER_LEFT_OUT][2] = {
-        [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},
-        [RENDER_NO_LINES] = {"mesh of lines", "meshes of lines"},
-        [RENDER_NO_COMPRESSION] = {"mesh with a compression that is not read",
+static void write_words_left_out(render_plan *plan) {
+    static const char *const words[LEFT_OUT][2] = {
+        [NO_POINTS] = {"mesh of points", "meshes of points"},
+        [NO_LINES] = {"mesh of lines", "meshes of lines"},
+        [NO_COMPRESSION] = {"mesh with a compression that is not read",
             "meshes with a compression that is not read"},
-        [RENDER_NO_MESHES] = {"mesh that is not read", "meshes that are not read"},
-        [RENDER_NO_NODES] = {"mesh outside the scene", "meshes outside the scene"},
-        [RENDER_NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
-        [RENDER_NO_PLACE] = {"finding without a place", "findings without a place"}};
-    text[0] = '\0';
-    for (int i = 0; i < RENDER_LEFT_OUT; ++i)
-        add_words(text, room, left_out->counts[i], words[i],
-            i == RENDER_NO_IMAGES ? left_out->images : "");
+        [NO_MESHES] = {"mesh that is not read", "meshes that are not read"},
+        [NO_NODES] = {"mesh outside the scene", "meshes outside the scene"},
+        [NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
+        [NO_PLACE] = {"finding without a place", "findings without a place"}};
+    size_t counts[LEFT_OUT] = {0}, length = 0;
+    count_left_out(plan->settings, plan->file, counts);
+    for (int i = 0; i < LEFT_OUT; ++i) {
+        const char *names = i == NO_IMAGES ? plan->file->left_out_names : "";
+        if (counts[i])
+            snprintf(plan->left_out + length, sizeof plan->left_out - length, "%s%zu %s%s%s%s",
+                length ? ", " : "", counts[i], words[i][counts[i] > 1], *names ? " (" : "", names,
+                *names ? ")" : "");
+        length = strlen(plan->left_out);
+    }
 }
 
 /* ---- panels */
@@ -568,13 +565,12 @@ static void apply_way(render_plan *plan, render_panel *panel, enum way way) {
     if (way == WAY_RIGHT) panel->line_colour = right_colour;
 }
 
-static int add_sides(render_plan *plan, render_scene_file *file, const render_variant *usual,
-    norma_document_error *error) {
+static int add_sides(render_plan *plan, render_scene_file *file, norma_document_error *error) {
     side sides[RENDER_MOST_PANELS];
     const size_t count = read_sides(plan->settings, sides);
     for (size_t i = 0; i < count; ++i) {
         const side *s = &sides[i];
-        render_variant variant = *usual;
+        render_variant variant = plan->settings->normals;
         if (s->has_weight || s->has_crease) variant.compute = 1;
         if (s->has_weight) variant.weight = s->weight;
         if (s->has_crease) {
@@ -599,19 +595,17 @@ static size_t count_unstored(const render_scene *scene) {
 
 int render_plan_add(render_plan *plan, render_scene_file *file, norma_document_error *error) {
     const render_settings *settings = plan->settings;
-    const render_variant usual = {
-        settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
     if (settings->compare) {
-        const int status = add_sides(plan, file, &usual, error);
+        const int status = add_sides(plan, file, error);
         if (status) return status;
     } else {
-        const render_scene *scene = render_file_scene(settings, file, &usual, error);
+        const render_scene *scene = render_file_scene(settings, file, &settings->normals, error);
         if (!scene) return cli_status_of(error->result);
         add_panel(plan, file, scene, NULL);
     }
-    render_file_left_out(settings, file, &plan->lost);
+    plan->file = file;
+    write_words_left_out(plan);
     render_note_idle(settings, file);
-    memcpy(plan->found_counts, file->found_counts, sizeof plan->found_counts);
     plan->unstored = count_unstored(plan->panels[0].scene);
     if (settings->show == RENDER_SHOW_MARKS && !settings->compare) {
         snprintf(plan->below[0], sizeof plan->below[0], "%.150s", file->found);
@@ -630,12 +624,11 @@ int render_plan_add(render_plan *plan, render_scene_file *file, norma_document_e
 void render_plan_legend(render_plan *plan, render_sheet *sheet) {
     static const char *const names[4][2] = {
         [1] = {"info", "infos"}, [2] = {"warning", "warnings"}, [3] = {"error", "errors"}};
-    render_left_out_words(&plan->lost, plan->left_out, sizeof plan->left_out);
     if (plan->left_out[0]) sheet->left_out = plan->left_out;
     for (int i = 3; i > 0; --i) {
-        if (!plan->found_counts[i]) continue;
-        snprintf(plan->keys[i], sizeof plan->keys[i], "%zu %s", plan->found_counts[i],
-            names[i][plan->found_counts[i] > 1]);
+        if (!plan->file->found_counts[i]) continue;
+        snprintf(plan->keys[i], sizeof plan->keys[i], "%zu %s", plan->file->found_counts[i],
+            names[i][plan->file->found_counts[i] > 1]);
         sheet->keys[sheet->key_count++] = (render_key){render_finding_colours[i], plan->keys[i]};
     }
 }

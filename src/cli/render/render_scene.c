@@ -15,6 +15,15 @@ norma_document_result render_file_fail(norma_document_error *error, norma_docume
     return result;
 }
 
+static norma_document_result no_memory_for_scene(
+    norma_document_error *error, const render_scene_file *file) {
+    return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+}
+
+static int is_gltf(const render_scene_file *file) {
+    return norma_file_format_is_gltf(norma_document_format(file->document));
+}
+
 norma_document_result render_file_open(const render_settings *settings, const char *input,
     render_scene_file *file, norma_document_error *error) {
     static const norma_document_options reading = {.lenient = 1};
@@ -74,17 +83,12 @@ const char *render_up_name(enum render_up up) {
 }
 
 /* glTF says that y points up. Where nothing shows, OBJ is taken as modellers export it, STL
- * and PLY as printers and scanners have them.
- */
-static void render_file_set_up(
-    const render_settings *settings, render_scene_file *file, const render_scene *scene) {
-    const norma_file_format format = norma_document_format(file->document);
-    file->up_guessed = 0;
-    file->up = settings->up_given ? settings->up : RENDER_UP_Y;
-    if (settings->up_given || norma_file_format_is_gltf(format)) return;
-    file->up = render_guess_up(scene->surfaces, scene->surface_count,
-        format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
-    file->up_guessed = 1;
+ * and PLY as printers and scanners have them. */
+enum render_up render_find_up(
+    const norma_document *document, const render_surface *surfaces, size_t count) {
+    const norma_file_format format = norma_document_format(document);
+    if (norma_file_format_is_gltf(format)) return RENDER_UP_Y;
+    return render_guess_up(surfaces, count, format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
 }
 
 /* ---- names in a note */
@@ -148,8 +152,7 @@ static norma_document_result read_texcoords(render_scene_file *file, size_t mesh
         norma_document_texcoords(file->document, mesh, info->texcoord, &texcoords, &count, error);
     if (result || !texcoords) return result;
     float *placed = malloc((2 * count + 1) * sizeof *placed);
-    if (!placed || !render_file_keep(file, placed))
-        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!placed || !render_file_keep(file, placed)) return no_memory_for_scene(error, file);
     norma_texture_place(info, texcoords, count, 2, placed);
     map->texcoords = placed;
     return NORMA_DOCUMENT_OK;
@@ -175,8 +178,7 @@ static norma_document_result set_map(render_scene_file *file, const surface_of *
         return NORMA_DOCUMENT_OK;
     }
     const render_picture *picture = picture_of(file, info);
-    if (!picture)
-        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!picture) return no_memory_for_scene(error, file);
     if (picture->pixels) map->picture = picture;
     return NORMA_DOCUMENT_OK;
 }
@@ -236,7 +238,7 @@ static norma_document_result render_file_set_material(const render_settings *set
     render_surface *surface, norma_document_error *error) {
     static const norma_texture_info plain = {.scale = {1, 1}};
     norma_material_info material;
-    const int gltf = norma_file_format_is_gltf(norma_document_format(file->document));
+    const int gltf = is_gltf(file);
     const int known =
         gltf && attributes->material != SIZE_MAX &&
         !norma_document_material_info(file->document, attributes->material, &material);
@@ -277,7 +279,7 @@ static int render_join_primitives(
             good = 0;
         }
     }
-    if (!good) render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!good) no_memory_for_scene(error, file);
     return good;
 }
 
@@ -304,52 +306,26 @@ enum { MOST_SAMPLES = 20000 }; /* of one finding */
 /* One surface's marks while they are made: severities first, so that the gravest stays. */
 typedef struct marks {
     const render_surface *surface;
-    size_t faces, corners;
-    uint8_t *face_severity, *corner_severity;
-    uint32_t *vertex_corners, *vertex_starts; /* the corners of each position */
+    size_t faces;
+    uint8_t *of_faces, *of_vertices, *of_normals;
     render_dot *dots;
     size_t dot_count, dot_room;
 } marks;
 
-static size_t marked_faces(const norma_mesh *mesh) {
-    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
-}
-
-/* A counting sort of corners by position. */
-static void sort_marked_corners(marks *m) {
-    const norma_mesh *mesh = &m->surface->mesh;
-    for (size_t i = 0; i < m->corners; ++i) ++m->vertex_starts[norma_mesh_corner(mesh, i) + 1];
-    for (size_t i = 0; i < mesh->positions.count; ++i)
-        m->vertex_starts[i + 1] += m->vertex_starts[i];
-    for (size_t i = m->corners; i-- > 0;) {
-        const uint32_t position = norma_mesh_corner(mesh, i);
-        m->vertex_corners[--m->vertex_starts[position + 1]] = (uint32_t)i;
-    }
-    /* Each start has moved down to its own; the first stays 0. */
-    memmove(
-        m->vertex_starts, m->vertex_starts + 1, mesh->positions.count * sizeof *m->vertex_starts);
-    m->vertex_starts[mesh->positions.count] = (uint32_t)m->corners;
-}
-
 static int begin_marks(marks *m, const render_surface *surface) {
-    *m = (marks){.surface = surface,
-        .faces = marked_faces(&surface->mesh),
-        .corners = surface->mesh.corner_count};
-    m->face_severity = calloc(m->faces + 1, 1);
-    m->corner_severity = calloc(m->corners + 1, 1);
-    m->vertex_corners = malloc((m->corners + 1) * sizeof *m->vertex_corners);
-    m->vertex_starts = calloc(surface->mesh.positions.count + 2, sizeof *m->vertex_starts);
-    if (!m->face_severity || !m->corner_severity || !m->vertex_corners || !m->vertex_starts)
-        return 0;
-    sort_marked_corners(m);
-    return 1;
+    const norma_mesh *mesh = &surface->mesh;
+    *m = (marks){
+        .surface = surface, .faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3};
+    m->of_faces = calloc(m->faces + 1, 1);
+    m->of_vertices = calloc(mesh->positions.count + 1, 1);
+    m->of_normals = calloc(surface->normals.count + 1, 1);
+    return m->of_faces && m->of_vertices && m->of_normals;
 }
 
 static void end_marks(marks *m) {
-    free(m->face_severity);
-    free(m->corner_severity);
-    free(m->vertex_corners);
-    free(m->vertex_starts);
+    free(m->of_faces);
+    free(m->of_vertices);
+    free(m->of_normals);
     free(m->dots);
 }
 
@@ -370,15 +346,10 @@ static int add_dot(marks *m, const norma_sample *sample, norma_severity severity
 }
 
 static void mark_sample(marks *m, const norma_sample *sample, norma_severity severity) {
-    if (sample->face < m->faces) raise(&m->face_severity[sample->face], severity);
+    if (sample->face < m->faces) raise(&m->of_faces[sample->face], severity);
     if (sample->vertex < m->surface->mesh.positions.count)
-        for (uint32_t i = m->vertex_starts[sample->vertex];
-             i < m->vertex_starts[sample->vertex + 1]; ++i)
-            raise(&m->corner_severity[m->vertex_corners[i]], severity);
-    for (size_t i = 0; sample->normal != SIZE_MAX && m->surface->corner_normals && i < m->corners;
-         ++i)
-        if (m->surface->corner_normals[i] == sample->normal)
-            raise(&m->corner_severity[i], severity);
+        raise(&m->of_vertices[sample->vertex], severity);
+    if (sample->normal < m->surface->normals.count) raise(&m->of_normals[sample->normal], severity);
 }
 
 /* Dots mark what is small or far between; where very many places are named, the faces' colours do.
@@ -400,10 +371,22 @@ static int mark_finding(marks *m, const norma_finding *finding) {
     return good;
 }
 
-static uint32_t *coloured(render_scene_file *file, const uint8_t *severities, size_t count) {
-    uint32_t *out = malloc((count + 1) * sizeof *out);
-    for (size_t i = 0; out && i < count; ++i) out[i] = colours[severities[i]];
-    return out && render_file_keep(file, out) ? out : NULL;
+/* Of faces; and of corners, by their vertices and the normals that they name. */
+static int colour_marks(render_scene_file *file, const marks *m, render_surface *surface) {
+    const norma_mesh *mesh = &surface->mesh;
+    uint32_t *faces = malloc((m->faces + 1) * sizeof *faces),
+             *corners = malloc((mesh->corner_count + 1) * sizeof *corners);
+    for (size_t i = 0; faces && i < m->faces; ++i) faces[i] = colours[m->of_faces[i]];
+    for (size_t i = 0; corners && i < mesh->corner_count; ++i) {
+        const uint32_t normal = surface->corner_normals ? surface->corner_normals[i] : UINT32_MAX;
+        uint8_t severity = m->of_vertices[norma_mesh_corner(mesh, i)];
+        if (normal < surface->normals.count) raise(&severity, m->of_normals[normal]);
+        corners[i] = colours[severity];
+    }
+    surface->face_marks = faces;
+    surface->corner_marks = corners;
+    const int kept = render_file_keep(file, faces);
+    return render_file_keep(file, corners) && kept && faces && corners;
 }
 
 static int mark_surface(render_scene_file *file, const norma_findings *findings, const char *where,
@@ -417,11 +400,7 @@ static int mark_surface(render_scene_file *file, const norma_findings *findings,
             if ((int)finding->severity == severity && strcmp(finding->where, where) == 0)
                 good = mark_finding(&m, finding);
         }
-    if (good) {
-        surface->face_marks = coloured(file, m.face_severity, m.faces);
-        surface->corner_marks = coloured(file, m.corner_severity, m.corners);
-        good = surface->face_marks && surface->corner_marks;
-    }
+    if (good) good = colour_marks(file, &m, surface);
     if (good && m.dots) {
         surface->dots = m.dots;
         surface->dot_count = m.dot_count;
@@ -477,11 +456,8 @@ static norma_document_result render_file_mark(const render_settings *settings,
     for (size_t i = 0; i < surface_count && !result; ++i) {
         norma_mesh_info info;
         result = norma_document_mesh_info(file->document, file->document_meshes[i], &info);
-        if (!result && !mark_surface(file, findings, info.where, &surfaces[i])) {
-            snprintf(error->message, sizeof error->message, "%.800s: out of memory",
-                cli_input_name(file->input));
-            result = NORMA_DOCUMENT_ERROR_MEMORY;
-        }
+        if (!result && !mark_surface(file, findings, info.where, &surfaces[i]))
+            result = no_memory_for_scene(error, file);
     }
     if (!result) tell_found(findings, file);
     norma_findings_free(findings);
@@ -573,9 +549,7 @@ static norma_document_result move_surfaces(const render_settings *settings, rend
     for (size_t k = 0; k < draws->count && any; ++k) {
         norma_document_result result = drawn_at(file, draws, 0, k, &drawn, error);
         if (result) return result;
-        if (!add_moved(file, m, draws->first + k, &drawn))
-            return render_file_fail(
-                error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+        if (!add_moved(file, m, draws->first + k, &drawn)) return no_memory_for_scene(error, file);
     }
     if (any) *first = begin;
     return !any || !render_join_needed(settings, &m->surfaces[begin], draws->count) ||
@@ -625,9 +599,7 @@ static norma_document_result make_draw_room(
         realloc(m->surfaces, (m->surface_count + moved + 1) * sizeof *m->surfaces);
     if (larger) m->surfaces = larger;
     m->draws = calloc(draws + 1, sizeof *m->draws);
-    return larger && m->draws
-               ? NORMA_DOCUMENT_OK
-               : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    return larger && m->draws ? NORMA_DOCUMENT_OK : no_memory_for_scene(error, file);
 }
 
 /* Fills draws, and adds the surfaces that move. No draw: no node of the file draws a surface. */
@@ -681,7 +653,7 @@ static double usual_crease(
         return surface->mesh.smoothing_groups ? all : sixty;
     default:
         return surface->stored == RENDER_NORMALS_NONE && settings->show != RENDER_SHOW_ERROR &&
-                       !settings->compute
+                       !settings->normals.compute
                    ? flat
                    : sixty;
     }
@@ -751,8 +723,7 @@ static norma_document_result fill_scene(const render_settings *settings, render_
     if (result || m->draw_count > 0) return result;
     free(m->draws);
     m->draws = calloc(m->surface_count + 1, sizeof *m->draws);
-    if (!m->draws)
-        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!m->draws) return no_memory_for_scene(error, file);
     draw_each_once(m);
     return result;
 }
@@ -764,10 +735,9 @@ static norma_document_result make_scene(const render_settings *settings, render_
         .mesh_of = calloc(meshes + 1, sizeof *m.mesh_of)};
     if (!file->document_meshes)
         file->document_meshes = calloc(meshes + 1, sizeof *file->document_meshes);
-    norma_document_result result =
-        m.surfaces && m.mesh_of && file->document_meshes
-            ? fill_scene(settings, file, variant, &m, error)
-            : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    norma_document_result result = m.surfaces && m.mesh_of && file->document_meshes
+                                       ? fill_scene(settings, file, variant, &m, error)
+                                       : no_memory_for_scene(error, file);
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
     if (!result && m.draw_count == 0)
@@ -777,8 +747,13 @@ static norma_document_result make_scene(const render_settings *settings, render_
         result = render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
             "there are no tangents to show: no surface stores any, nor the texture coordinates "
             "that glTF tangents are computed from");
-    if (!result) render_file_set_up(settings, file, scene);
-    if (result) render_scene_free(scene);
+    if (result) {
+        render_scene_free(scene);
+    } else {
+        file->up_guessed = !settings->up_given && !is_gltf(file);
+        file->up = settings->up_given ? settings->up
+                                      : render_find_up(file->document, m.surfaces, m.surface_count);
+    }
     error->result = result;
     return result;
 }
