@@ -121,9 +121,12 @@ static void copy_stored(const render_surface *surface, float *tangents) {
 }
 
 /* Without tangents, zeros: the shader then takes derivatives. */
-static void compute_mikk(const render_surface *surface, const float *normals, float *tangents) {
+static void compute_mikk(
+    const render_surface *surface, const render_split *split, float *tangents) {
     const size_t corners = surface->mesh.corner_count;
-    const norma_attribute normal = {.data = normals, .count = corners, .of = NORMA_PER_CORNER},
+    const norma_attribute normal = {.data = split->normals,
+                              .count = split->count,
+                              .corners = split->corners},
                           texcoord = {.data = surface->normal_map.texcoords,
                               .count = surface->mesh.positions.count,
                               .of = NORMA_PER_VERTEX};
@@ -135,15 +138,14 @@ static void compute_mikk(const render_surface *surface, const float *normals, fl
 }
 
 /* The tangents of a normal map, four for each corner, for texture coordinates whose v runs
- * downwards: the file's, or MikkTSpace's. normals: three for each corner. Owned by the caller;
- * NULL: out of memory. */
-static float *find_tangents(const render_surface *surface, const float *normals) {
+ * downwards: the file's, or MikkTSpace's. Owned by the caller; NULL: out of memory. */
+static float *find_tangents(const render_surface *surface, const render_split *split) {
     float *tangents = malloc((4 * surface->mesh.corner_count + 1) * sizeof *tangents);
     if (!tangents) return NULL;
     if (surface->tangents)
         copy_stored(surface, tangents);
     else
-        compute_mikk(surface, normals, tangents);
+        compute_mikk(surface, split, tangents);
     return tangents;
 }
 
@@ -309,32 +311,14 @@ static void mark(const maker *m, size_t face, uint32_t corner, size_t vertex) {
     }
 }
 
-/* Three numbers for each corner: of its vertex, or of its face. */
-static int corner_normals(const maker *m, int flat, float *normals) {
-    const norma_mesh *mesh = m->mesh;
-    float *of_faces = NULL;
-    const int good = !flat || !face_normals(mesh, &of_faces);
-    for (size_t face = 0; good && face < render_face_count(mesh); ++face) {
-        size_t first, count;
-        render_face(mesh, face, &first, &count);
-        for (size_t corner = first; corner < first + count; ++corner)
-            memcpy(normals + 3 * corner,
-                flat ? of_faces + 3 * face
-                     : m->split.normals + (size_t)3 * m->split.corners[corner],
-                3 * sizeof *normals);
-    }
-    free(of_faces);
-    return good;
-}
-
 static void copy_texcoords(const render_texture *map, uint32_t position, float out[2]) {
     out[0] = map->texcoords ? map->texcoords[(size_t)2 * position] : 0;
     out[1] = map->texcoords ? map->texcoords[(size_t)2 * position + 1] : 0;
 }
 
-/* What corners have, each where it is wanted: normals of their own, tangents, degrees. */
+/* What faces and corners have, each where it is wanted: normals of their own, tangents, degrees. */
 typedef struct corner_data {
-    const float *normals, *tangents, *values;
+    const float *face_normals, *tangents, *values;
     int marked;
 } corner_data;
 
@@ -344,8 +328,8 @@ static void unroll_corner(maker *m, const corner_data *of, size_t face, uint32_t
     const size_t vertex = out->count++;
     place_vertex(m, position, vertex);
     memcpy(out->normals + 3 * vertex,
-        of->normals ? of->normals + (size_t)3 * corner
-                    : m->split.normals + (size_t)3 * m->split.corners[corner],
+        of->face_normals ? of->face_normals + 3 * face
+                         : m->split.normals + (size_t)3 * m->split.corners[corner],
         12);
     if (out->texcoords) {
         copy_texcoords(&m->surface->mask, position, out->texcoords + 4 * vertex);
@@ -360,44 +344,40 @@ static void unroll_corner(maker *m, const corner_data *of, size_t face, uint32_t
 }
 
 static void unroll(maker *m, const corner_data *of) {
+    const int finite = all_finite(m->mesh);
     size_t t = 0;
     for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
         size_t first, corners;
         render_face(m->mesh, face, &first, &corners);
         for (size_t i = 2; i < corners; ++i, ++t)
-            if (triangle_is_finite(m, t))
+            if (finite || triangle_is_finite(m, t))
                 for (size_t k = 0; k < 3; ++k)
                     unroll_corner(m, of, face, triangle_corner(m, 3 * t + k));
     }
 }
 
-static enum render_result make_mapped(maker *m, int flat, render_error *error) {
-    render_vertices *out = m->out;
-    const size_t vertices = 3 * m->triangle_count;
-    const int maps_normals = m->surface->normal_map.texcoords || m->surface->tangents;
-    float *normals = malloc((3 * m->mesh->corner_count + 1) * sizeof *normals);
-    int ready = normals && allocate_vertices(m, vertices, 0) && corner_normals(m, flat, normals);
-    float *tangents = ready && maps_normals ? find_tangents(m->surface, normals) : NULL;
-    out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
-    if (maps_normals) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
-    ready = ready && out->texcoords && (!maps_normals || (tangents && out->tangents));
-    if (ready) unroll(m, &(corner_data){.normals = normals, .tangents = tangents});
-    free(normals);
-    free(tangents);
-    return ready ? RENDER_OK : render_fail_memory(error);
-}
-
 static enum render_result make_unrolled(maker *m, enum render_kind kind, render_error *error) {
     render_vertices *out = m->out;
-    float *values = NULL;
-    int ready = allocate_vertices(m, 3 * m->triangle_count, 0);
+    const render_surface *surface = m->surface;
+    const size_t vertices = 3 * m->triangle_count;
+    const int flat = kind == RENDER_MAPPED_FLAT, mapped = kind >= RENDER_MAPPED,
+              bent = kind == RENDER_MAPPED && (surface->normal_map.texcoords || surface->tangents);
+    float *normals = NULL, *tangents = NULL, *values = NULL;
+    int ready = allocate_vertices(m, vertices, 0);
+    if (flat) ready = ready && !face_normals(m->mesh, &normals);
+    if (mapped) out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
+    if (bent) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
+    if (bent) tangents = find_tangents(surface, &m->split);
     if (kind == RENDER_ERRORS) {
-        values = render_errors(m->surface->stored_surface ? m->surface->stored_surface : m->surface,
+        values = render_errors(surface->stored_surface ? surface->stored_surface : surface,
             &out->worst_error_rad, &out->most_errors_rad);
-        out->values = malloc((3 * m->triangle_count + 1) * sizeof *out->values);
-        ready = ready && values && out->values;
+        out->values = malloc((vertices + 1) * sizeof *out->values);
     }
-    if (ready) unroll(m, &(corner_data){.values = values, .marked = kind == RENDER_MARKED});
+    ready = ready && (out->texcoords || !mapped) && ((tangents && out->tangents) || !bent) &&
+            ((values && out->values) || kind != RENDER_ERRORS);
+    if (ready) unroll(m, &(corner_data){normals, tangents, values, kind == RENDER_MARKED});
+    free(normals);
+    free(tangents);
     free(values);
     return ready ? RENDER_OK : render_fail_memory(error);
 }
@@ -448,7 +428,6 @@ enum render_result render_vertices_make(const render_surface *surface, enum rend
     if (!result)
         result = kind == RENDER_SMOOTH    ? make_smooth(&m, error)
                  : kind == RENDER_FACETED ? make_faceted(&m, error)
-                 : kind >= RENDER_MAPPED  ? make_mapped(&m, kind == RENDER_MAPPED_FLAT, error)
                                           : make_unrolled(&m, kind, error);
     if (!result && !find_points(vertices)) result = render_fail_memory(error);
     render_split_free(&m.split);
