@@ -268,27 +268,12 @@ static size_t end_of_name(const compared_scene *scene, size_t first) {
     return end;
 }
 
-/* Of BASE: where the pieces of that name begin; its count where there are none. */
-static size_t find_name(const compared_scene *scene, const char *name) {
-    size_t low = 0, high = scene->count;
-    while (low < high && name[0]) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(scene->pieces[middle].name, name) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < scene->count && name[0] && strcmp(scene->pieces[low].name, name) == 0
-               ? low
-               : scene->count;
-}
-
-static norma_result compare_group(compared_pair *pair, compared_group *group,
+/* named: the first piece of BASE of that name; its count where there are none. */
+static norma_result compare_group(compared_pair *pair, compared_group *group, size_t named,
     const norma_surface *whole_base, double max_rad, const norma_options *options) {
     const compared_piece *first = &pair->other.pieces[group->first],
                          *last = &pair->other.pieces[group->end - 1];
-    const size_t named = find_name(&pair->base, first->name),
-                 corners = last->first_corner + last->corners - first->first_corner;
+    const size_t corners = last->first_corner + last->corners - first->first_corner;
     norma_surface base = *whole_base, other;
     group->named = named < pair->base.count;
     norma_result result = NORMA_OK;
@@ -319,11 +304,16 @@ static norma_result compare_groups(
     if (!compared_surface_make(&pair->base, 0, pair->base.count, &whole) || !pair->samples ||
         !pair->groups)
         result = NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < pair->other.count && !result;) {
+    for (size_t i = 0, base = 0; i < pair->other.count && !result;) {
         compared_group *group = &pair->groups[pair->group_count++];
         group->first = i;
         group->end = i = end_of_name(&pair->other, i);
-        result = compare_group(pair, group, &whole, max_rad, options);
+        const char *name = pair->other.pieces[group->first].name;
+        int order = -1; /* of names, in which both are sorted */
+        while (base < pair->base.count && (order = strcmp(pair->base.pieces[base].name, name)) < 0)
+            ++base;
+        result = compare_group(
+            pair, group, name[0] && !order ? base : pair->base.count, &whole, max_rad, options);
     }
     compared_surface_free(&whole);
     if (result || pair->group_count == 1) {

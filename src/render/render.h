@@ -231,6 +231,7 @@ typedef struct render_sheet {
                              that are left out are added */
     /* What was found. */
     double error_top_deg;
+    size_t lines_left_out; /* of all panels */
     size_t panel_x[RENDER_MOST_PANELS],
         panel_y[RENDER_MOST_PANELS]; /* where each panel's picture lies */
 } render_sheet;

@@ -67,13 +67,8 @@ static size_t strip_height(const render_look *look, const char *words, size_t wi
 
 typedef struct layout {
     size_t above, below, legend, keys, footer, left_out; /* heights of strips */
+    char words[640];                                     /* of what is left out */
 } layout;
-
-static size_t sum_lines_left_out(const render_sheet *sheet) {
-    size_t lines = 0;
-    for (size_t i = 0; i < sheet->panel_count; ++i) lines += sheet->panels[i].lines_left_out;
-    return lines;
-}
 
 /* Without stored normals there is nothing for a scale to show. */
 static int has_errors(const render_panel *panel) {
@@ -94,19 +89,17 @@ static size_t taller(size_t height, const render_look *look, const char *words, 
     return own > height ? own : height;
 }
 
-static void left_out_words(const render_sheet *sheet, char *words, size_t room) {
+static void write_left_out(const render_sheet *sheet, layout *l) {
     char of_hedgehog[80] = "";
-    const size_t count = sum_lines_left_out(sheet);
-    if (count)
+    if (sheet->lines_left_out)
         snprintf(of_hedgehog, sizeof of_hedgehog, "%s%zu lines of the hedgehog",
-            sheet->left_out ? "; " : "", count);
-    snprintf(
-        words, room, "not drawn: %.540s%s", sheet->left_out ? sheet->left_out : "", of_hedgehog);
+            sheet->left_out ? "; " : "", sheet->lines_left_out);
+    snprintf(l->words, sizeof l->words, "not drawn: %.540s%s",
+        sheet->left_out ? sheet->left_out : "", of_hedgehog);
 }
 
 static layout lay_out(const render_look *look, render_sheet *sheet) {
     const size_t strip = (size_t)lround(2.4 * text_size(look));
-    char words[640];
     layout l = {0};
     const size_t width = sheet->panel_count * look->width;
     for (size_t i = 0; i < sheet->panel_count; ++i) {
@@ -116,8 +109,8 @@ static layout lay_out(const render_look *look, render_sheet *sheet) {
     }
     l.footer = footer_height(look, sheet, width);
     l.keys = sheet->key_count ? strip : 0;
-    left_out_words(sheet, words, sizeof words);
-    if (sheet->left_out || sum_lines_left_out(sheet)) l.left_out = strip_height(look, words, width);
+    write_left_out(sheet, &l);
+    if (sheet->left_out || sheet->lines_left_out) l.left_out = strip_height(look, l.words, width);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         sheet->panel_x[i] = i * look->width;
         sheet->panel_y[i] = l.above;
@@ -161,14 +154,6 @@ static void draw_centred(const render_look *look, render_picture *picture, const
     }
 }
 
-static void write_left_out(
-    const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
-    char words[640];
-    left_out_words(sheet, words, sizeof words);
-    draw_centred(
-        look, picture, words, 0, picture->width, picture->height - l->left_out, l->left_out);
-}
-
 static void write_all_words(
     const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
     for (size_t i = 0; i < sheet->panel_count; ++i) {
@@ -183,7 +168,9 @@ static void write_all_words(
     if (sheet->below && l->footer)
         draw_centred(look, picture, sheet->below, 0, picture->width,
             picture->height - l->left_out - l->footer, l->footer);
-    if (l->left_out) write_left_out(look, sheet, l, picture);
+    if (l->left_out)
+        draw_centred(
+            look, picture, l->words, 0, picture->width, picture->height - l->left_out, l->left_out);
 }
 
 /* ---- keys: squares of a colour, each with its words to the right */
@@ -357,8 +344,11 @@ static enum render_result share_frames(
 static enum render_result make_stages(render_device *device, const render_look *look,
     render_sheet *sheet, render_stage *stages, render_error *error) {
     enum render_result result = RENDER_OK;
-    for (size_t i = 0; i < sheet->panel_count && !result; ++i)
+    sheet->lines_left_out = 0;
+    for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
+        sheet->lines_left_out += sheet->panels[i].lines_left_out;
+    }
     return result;
 }
 

@@ -453,11 +453,12 @@ typedef struct liner {
     render_line_set *set;
 } liner;
 
-static int make_room_for_lines(liner *l, size_t candidates, size_t most) {
+/* Of candidates with so many lines each; most: of candidates, 0: all. */
+static int make_room_for_lines(liner *l, size_t candidates, size_t most, size_t each) {
     l->step = most > 0 ? (candidates + most - 1) / most : 1;
     l->step = l->step > 0 ? l->step : 1;
     size_t kept = (candidates + l->step - 1) / l->step;
-    l->set->floats = malloc((kept + 1) * RENDER_LINE_FLOATS * sizeof(float));
+    l->set->floats = malloc((kept + 1) * each * RENDER_LINE_FLOATS * sizeof(float));
     l->set->left_out = candidates - kept;
     return l->set->floats != NULL;
 }
@@ -519,7 +520,8 @@ static void add_length(
 static int vertex_lines(liner *l, const render_split *split, size_t most) {
     edge_lengths lengths = {split, calloc(split->count + 1, sizeof(double)),
         calloc(split->count + 1, sizeof(uint32_t))};
-    const int ready = lengths.sums && lengths.counts && make_room_for_lines(l, split->count, most);
+    const int ready =
+        lengths.sums && lengths.counts && make_room_for_lines(l, split->count, most, 1);
     if (ready) each_edge(l, add_length, &lengths);
     for (size_t i = 0; ready && i < split->count; i += l->step) {
         double p[3];
@@ -551,7 +553,7 @@ static void face_line(liner *l, size_t face, const float normal[3]) {
 static int face_lines(liner *l, size_t most) {
     const size_t faces = render_face_count(l->mesh);
     float *normals = NULL;
-    const int ready = make_room_for_lines(l, faces, most) && !face_normals(l->mesh, &normals);
+    const int ready = make_room_for_lines(l, faces, most, 1) && !face_normals(l->mesh, &normals);
     for (size_t face = 0; ready && face < faces; face += l->step)
         face_line(l, face, normals + 3 * face);
     free(normals);
@@ -590,14 +592,9 @@ static void add_interpolated(
 
 static int edge_lines(liner *l, const render_split *split, size_t most) {
     edge_normals along = {l, split, 0};
-    const size_t edges = l->mesh->corner_count, kept = most / EDGE_STEPS + 1;
-    l->step = (edges + kept - 1) / kept;
-    l->step = l->step > 0 ? l->step : 1;
-    l->set->floats =
-        malloc((edges / l->step + 1) * EDGE_STEPS * RENDER_LINE_FLOATS * sizeof(float));
-    l->set->left_out = edges - (edges + l->step - 1) / l->step;
-    if (l->set->floats) each_edge(l, add_interpolated, &along);
-    return l->set->floats != NULL;
+    if (!make_room_for_lines(l, l->mesh->corner_count, most / EDGE_STEPS + 1, EDGE_STEPS)) return 0;
+    each_edge(l, add_interpolated, &along);
+    return 1;
 }
 
 /* ---- a wireframe: the edges of each position that lead to a later one, each once */
@@ -643,7 +640,7 @@ static int wireframe(liner *l) {
     const size_t positions = l->mesh->positions.count, corners = l->mesh->corner_count;
     edge_table table = {
         l, calloc(positions + 2, sizeof(uint32_t)), malloc((corners + 1) * sizeof(uint32_t)), 0};
-    const int ready = table.starts && table.others && make_room_for_lines(l, corners, 0);
+    const int ready = table.starts && table.others && make_room_for_lines(l, corners, 0, 1);
     if (ready) {
         each_edge(l, note_edge, &table);
         for (size_t i = 0; i < positions; ++i) table.starts[i + 1] += table.starts[i];
@@ -665,7 +662,7 @@ static int wireframe(liner *l) {
 static int dots(liner *l) {
     const render_surface *surface = l->surface;
     l->set->colours = malloc((4 * surface->dot_count + 1) * sizeof(float));
-    if (!l->set->colours || !make_room_for_lines(l, surface->dot_count, 0)) return 0;
+    if (!l->set->colours || !make_room_for_lines(l, surface->dot_count, 0, 1)) return 0;
     for (size_t i = 0; i < surface->dot_count; ++i) {
         const render_dot *dot = &surface->dots[i];
         float at[3], *colour = l->set->colours + 4 * i;

@@ -42,7 +42,7 @@ static void render_watch_driver(void) {
     sigaction(SIGABRT, &action, NULL);
 }
 #else
-void render_watch_driver(void) {}
+static void render_watch_driver(void) {}
 #endif
 
 /* ---- Norma render: pictures of meshes, drawn without a display. */
@@ -121,7 +121,6 @@ static const char render_help[] =
 /* ---- one picture */
 
 typedef struct picture_job {
-    const cli_subcommand *command;
     const render_settings *settings;
     render_device *device;
     int has_no_device; /* it could not be opened */
@@ -196,12 +195,6 @@ static double worst_error(const picture_job *job) {
     return cli_to_degrees(worst);
 }
 
-static size_t lines_left_out(const picture_job *job) {
-    size_t left_out = 0;
-    for (size_t i = 0; i < job->plan.count; ++i) left_out += job->plan.panels[i].lines_left_out;
-    return left_out;
-}
-
 static void notes_json(cli_json *json, const picture_job *job) {
     cli_json_open(json, "notes", '[');
     for (size_t i = 0; i < norma_document_note_count(job->plan.file->document); ++i)
@@ -226,7 +219,7 @@ static void report_picture_json(const picture_job *job) {
         cli_json_size(&json, "largest_difference", (size_t)job->plan.difference);
     else
         cli_json_null(&json, "largest_difference");
-    cli_json_size(&json, "lines_left_out", lines_left_out(job));
+    cli_json_size(&json, "lines_left_out", job->sheet.lines_left_out);
     cli_json_string(&json, "up", render_up_name(job->plan.file->up));
     cli_json_bool(&json, "up_guessed", job->plan.file->up_guessed);
     cli_json_string(&json, "not_drawn", job->plan.left_out);
@@ -260,9 +253,9 @@ static void report_text(const picture_job *job) {
         fputs(", no normals are stored: there is nothing to compare", out);
     if (job->plan.difference >= 0)
         fprintf(out, ", the two differ by up to %d of 255 levels", job->plan.difference);
-    if (lines_left_out(job)) {
+    if (job->sheet.lines_left_out) {
         fputs(", ", out);
-        cli_count(out, lines_left_out(job));
+        cli_count(out, job->sheet.lines_left_out);
         fputs(" lines left out (--most-lines)", out);
     }
     if (job->plan.file->up_guessed)
@@ -354,10 +347,9 @@ static void report_lost_picture(void *user, size_t file, int worker, const char 
     fail_picture(settings, settings->files.inputs.paths[file], &error);
 }
 
-static int draw_all(const cli_subcommand *command, const render_settings *settings) {
+static int draw_all(const render_settings *settings) {
     picture_job *job = calloc(1, sizeof *job);
     if (!job) return cli_out_of_memory();
-    job->command = command;
     job->settings = settings;
     const cli_each each = {
         settings->files.inputs.count, draw_one, report_lost_picture, job, settings->files.guard};
@@ -371,7 +363,7 @@ static int draw_inputs(const cli_subcommand *command, render_settings *settings)
     const int found = cli_find_inputs(command, &settings->files);
     if (found == CLI_USAGE || settings->files.inputs.count == 0) return found;
     const int refused = render_settings_check(command, settings);
-    return refused ? refused : cli_finish(cli_worse(found, draw_all(command, settings)));
+    return refused ? refused : cli_finish(cli_worse(found, draw_all(settings)));
 }
 
 static int render_run(const cli_subcommand *command, int count, char **arguments) {

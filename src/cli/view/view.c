@@ -38,7 +38,8 @@ extern const char norma_page_begin[], norma_page_end[];
 static const char *const norma_page_begin, *const norma_page_end; /* NULL */
 #endif
 
-/* The model's place in it is empty: where a model goes in stand, once each, these marks. */
+/* A zero ends it. The model's place in it is empty: where a model goes in stand, once each, these
+ * marks, in this order. */
 static const char *const page_marks[] = {"/*NAME*/", "/*MODEL*/", "/*FILES*/"};
 
 /* ---- Fewer triangles, by meshoptimizer's simplifier (quadrics, Garland and Heckbert 1997),
@@ -190,15 +191,6 @@ typedef struct view_work {
 
 /* ---- writing */
 
-/* Finds a mark in the page. Returns the end of the page if the mark is missing, which only a broken
- * build could cause. */
-static const char *find_mark(const char *from, const char *end, const char *mark) {
-    const size_t length = strlen(mark);
-    for (const char *at = from; (at = memchr(at, mark[0], (size_t)(end - at))) != NULL; ++at)
-        if ((size_t)(end - at) >= length && memcmp(at, mark, length) == 0) return at;
-    return end;
-}
-
 /* The file of a glTF and those that it refers to, from which the page takes materials and images,
  * and which it can fix: a line for each, its path and its bytes. */
 typedef struct view_sources {
@@ -275,9 +267,8 @@ static int write_sources(FILE *out, const char *input, norma_document *document)
 static int write_view_page(
     FILE *out, const char *input, norma_document *document, const view_pack *pack) {
     int status = CLI_OK;
-    const char *page = norma_page_begin, *const end = norma_page_end;
-    for (size_t i = 0; i < CLI_COUNT(page_marks); ++i) {
-        const char *mark = find_mark(page, end, page_marks[i]);
+    const char *page = norma_page_begin, *mark;
+    for (size_t i = 0; i < CLI_COUNT(page_marks) && (mark = strstr(page, page_marks[i])); ++i) {
         fwrite(page, 1, (size_t)(mark - page), out);
         page = mark + strlen(page_marks[i]);
         if (i == 0)
@@ -288,7 +279,7 @@ static int write_view_page(
         else if (document)
             status = write_sources(out, input, document);
     }
-    fwrite(page, 1, (size_t)(end - page), out);
+    fwrite(page, 1, (size_t)(norma_page_end - page), out);
     return status;
 }
 
