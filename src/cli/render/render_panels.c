@@ -429,11 +429,7 @@ int render_settings_check(const cli_subcommand *command, render_settings *settin
     int status = render_check_idle(command, settings);
     if (!status) status = render_plan_check(command, settings);
     if (!status) status = check_outputs(command, settings);
-    if (!status) status = render_guard_outputs(settings);
-    if (!status)
-        cli_guard_look_ahead(
-            settings->files.guard, &settings->files.inputs, settings->files.format);
-    if (!status) status = render_guard_outputs(settings);
+    if (!status) status = cli_guard_outputs(&settings->files, ".png");
     return status ? status : cli_make_out_dir(command, &settings->files);
 }
 /* ---- what depends on the file */
