@@ -254,8 +254,8 @@ enum render_result render_fail(
 }
 
 enum render_result render_fail_core(norma_result result, render_error *error) {
-    return result == NORMA_OK ? RENDER_OK
-           : result == NORMA_ERROR_MEMORY
+    if (!result) return RENDER_OK;
+    return result == NORMA_ERROR_MEMORY
                ? render_fail_memory(error)
                : render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result));
 }

@@ -3,7 +3,7 @@
  *
  * A sheet is a row of panels of one size. Each panel draws a scene its own way; all have one
  * scale. The way of a vertex is the one of the textbooks, local, world, view, clip, viewport:
- * camera/camera.h. Below this only the core. */
+ * parts.h. Below this only the core. */
 #ifndef NORMA_RENDER_H
 #define NORMA_RENDER_H
 #include <norma/norma.h>
