@@ -269,13 +269,6 @@ typedef struct body {
     float *normals;
 } body;
 
-static void free_body(body *b) {
-    free(b->positions);
-    free(b->corners);
-    free(b->starts);
-    free(b->normals);
-}
-
 static int allocate_body(const render_surface *surfaces, size_t count, body *b) {
     size_t positions = 0, corners = 0, faces = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -321,31 +314,21 @@ static norma_result compute_body_normals(const render_surface *like, body *b) {
         &mesh, (float)like->crease_rad, &options, b->normals, b->corner_count, NULL);
 }
 
-static int hand_out(const render_surface *surfaces, size_t count, const body *b, float **expected) {
-    size_t at = 0;
-    int good = 1;
-    for (size_t i = 0; i < count; ++i) {
-        const size_t corners = surfaces[i].mesh.corner_count;
-        expected[i] = malloc((3 * corners + 1) * sizeof **expected);
-        if (expected[i]) memcpy(expected[i], b->normals + 3 * at, 3 * corners * sizeof **expected);
-        good &= expected[i] != NULL;
-        at += corners;
-    }
-    return good;
-}
-
 enum render_result render_expect(
-    const render_surface *surfaces, size_t count, float **expected, render_error *error) {
+    render_surface *surfaces, size_t count, float **normals, render_error *error) {
     body b = {0};
     norma_result result = allocate_body(surfaces, count, &b) ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < count; ++i) expected[i] = NULL;
-    for (size_t i = 0; i < count && !result; ++i) append_to_body(&b, &surfaces[i].mesh);
-    if (!result) result = compute_body_normals(&surfaces[0], &b);
-    if (!result && !hand_out(surfaces, count, &b, expected)) result = NORMA_ERROR_MEMORY;
-    free_body(&b);
-    for (size_t i = 0; i < count && result; ++i) {
-        free(expected[i]);
-        expected[i] = NULL;
+    for (size_t i = 0; i < count && !result; ++i) {
+        surfaces[i].expected = b.normals + 3 * b.corner_count;
+        append_to_body(&b, &surfaces[i].mesh);
     }
+    if (!result) result = compute_body_normals(&surfaces[0], &b);
+    free(b.positions);
+    free(b.corners);
+    free(b.starts);
+    if (!result)
+        *normals = b.normals;
+    else
+        free(b.normals);
     return render_fail_core(result, error);
 }

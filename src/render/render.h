@@ -92,10 +92,10 @@ typedef struct render_scene {
 } render_scene;
 
 /* The normals that surfaces of one body have together, so that an edge where two of them meet is no
- * border: expected[i] of surface i, three floats for each of its corners, each to be freed by the
- * caller. Weight and crease are the first surface's. */
+ * border: expected of each is set to its part of *normals, which is the caller's to free. Weight
+ * and crease are the first surface's. */
 enum render_result render_expect(
-    const render_surface *surfaces, size_t count, float **expected, render_error *error);
+    render_surface *surfaces, size_t count, float **normals, render_error *error);
 
 /* ---- how it is drawn */
 

@@ -53,7 +53,7 @@ enum { MOST_WORST = 5 };
 typedef struct worst_place {
     size_t corner, face; /* of other: the corner among all, the face within its piece */
     const compared_piece *piece;
-    double position[3], normal[3];
+    double position[3], normal[3], base_normal[3];
 } worst_place;
 
 typedef struct compare_work {
@@ -129,8 +129,11 @@ static void describe_place(const compare_work *work, size_t corner, worst_place 
     const size_t position = piece->first_position + scene->corners[corner];
     const uint32_t number = scene->numbers[corner];
     memcpy(place->position, scene->positions + 3 * position, sizeof place->position);
-    for (size_t k = 0; k < 3 && number != UINT32_MAX; ++k)
-        place->normal[k] = (double)scene->normals[3 * (piece->first_normal + number) + k];
+    for (size_t k = 0; k < 3; ++k) {
+        if (number != UINT32_MAX)
+            place->normal[k] = (double)scene->normals[3 * (piece->first_normal + number) + k];
+        place->base_normal[k] = (double)work->pair.samples[corner].normal[k];
+    }
 }
 
 static double apart(const double a[3], const double b[3]) {
@@ -208,7 +211,6 @@ static void write_worst_places(cli_json *json, const compare_work *work) {
     cli_json_open(json, "worst", '[');
     for (size_t i = 0; i < work->place_count; ++i) {
         const norma_compare_sample *s = &work->pair.samples[places[i].corner];
-        const double normal[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
         norma_mesh_info info = {.where = ""};
         norma_document_mesh_info(work->pair.other.document, places[i].piece->mesh, &info);
         cli_json_open(json, NULL, '{');
@@ -216,7 +218,7 @@ static void write_worst_places(cli_json *json, const compare_work *work) {
         cli_json_number(json, "distance", s->distance < 0 ? NAN : (double)s->distance);
         cli_json_numbers(json, "position", places[i].position, 3);
         cli_json_numbers(json, "normal", places[i].normal, 3);
-        cli_json_numbers(json, "base_normal", normal, 3);
+        cli_json_numbers(json, "base_normal", places[i].base_normal, 3);
         cli_json_string(json, "mesh", places[i].piece->name);
         cli_json_string(json, "where", info.where);
         cli_json_size(json, "face", places[i].face);
@@ -268,9 +270,8 @@ static void print_vector(FILE *out, const char *before, const double v[3]) {
 }
 
 static void print_place(const compare_work *work, FILE *out, const worst_place *place) {
-    const norma_compare_sample *s = &work->pair.samples[place->corner];
-    const double base[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
-    fprintf(out, "  %.4g degrees at ", shown_degrees((double)s->angle_rad));
+    fprintf(out, "  %.4g degrees at ",
+        shown_degrees((double)work->pair.samples[place->corner].angle_rad));
     print_vector(out, "", place->position);
     fprintf(out, ", face %zu", place->face);
     if (place->piece->name[0]) {
@@ -279,7 +280,7 @@ static void print_place(const compare_work *work, FILE *out, const worst_place *
         fputc('"', out);
     }
     print_vector(out, ": ", place->normal);
-    print_vector(out, " instead of ", base);
+    print_vector(out, " instead of ", place->base_normal);
     fputc('\n', out);
 }
 

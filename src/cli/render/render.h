@@ -8,12 +8,6 @@
 /* ---- What the files of norma render share: its settings, a document as a scene,
  * panels. */
 
-#if defined(__GNUC__)
-#define CLI_NOTE_FORMAT __attribute__((format(printf, 2, 3)))
-#else
-#define CLI_NOTE_FORMAT
-#endif
-
 /* ---- settings */
 
 enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_RULES = 256 };
@@ -81,8 +75,8 @@ typedef struct render_scene_file {
     size_t found_counts[4], found_nowhere; /* by severity; those without a place to draw */
     size_t not_shown;                      /* draws of nodes outside the file's scene */
     size_t with_tangents, with_texcoords;  /* surfaces that store tangents; that have coordinates */
-    struct render_file_image **images;     /* of materials, as pictures */
-    size_t image_count, images_left_out;
+    struct render_file_image *images;      /* of materials, as pictures */
+    size_t images_left_out;
     char left_out_names[120]; /* of those images */
     const char *notes[32];    /* for the summary */
     size_t note_count;
@@ -98,14 +92,9 @@ norma_document_result render_file_open(const render_settings *settings, const ch
  * says why. together: normals are computed for errors as well. */
 const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, norma_document_error *error);
-int render_file_keep(render_scene_file *file,
-    void *block); /* freed with the file; 0: out of memory, and the block is freed */
 /* Adds a note to the summary; what does not fit in memory or in the list is left out. */
-void render_file_note(render_scene_file *file, const char *format, ...) CLI_NOTE_FORMAT;
+CLI_FORMAT(2, 3) void render_file_note(render_scene_file *file, const char *format, ...);
 void render_file_close(render_scene_file *file);
-void render_scene_free(render_scene *scene);
-norma_document_result render_file_fail(
-    norma_document_error *error, norma_document_result result, const char *input, const char *what);
 
 extern const uint32_t render_finding_colours[4]; /* by severity */
 const char *render_up_name(enum render_up up);
@@ -113,8 +102,6 @@ enum render_up render_find_up(
     const norma_document *document, const render_surface *surfaces, size_t count);
 /* Another name at the end of a list; of one that is full, "..." */
 void render_add_name(char *list, size_t room, const char *name);
-/* Usage: options that nothing that is drawn looks at. */
-int render_check_idle(const cli_subcommand *command, const render_settings *settings);
 
 /* ---- panels */
 
@@ -135,8 +122,6 @@ int render_plan_add(render_plan *plan, render_scene_file *file, norma_document_e
 void render_plan_legend(render_plan *plan, render_sheet *sheet);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
-/* The words of --compare are checked before a file is opened. */
-int render_plan_check(const cli_subcommand *command, const render_settings *settings);
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
 #define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"
 
@@ -153,15 +138,5 @@ struct compared_pair;
  * to be freed. A status. */
 int render_compared(
     const struct compared_pair *pair, const render_dot *dots, size_t dot_count, render_png *png);
-
-/* ---- A scene while it is made: the surfaces of the file's meshes, then those that
- * morph targets or skins move, and where each is drawn. */
-
-typedef struct scene_maker {
-    render_surface *surfaces;
-    render_draw *draws;
-    size_t surface_count, draw_count;
-    size_t *mesh_of; /* the file's number of the mesh of each surface that does not move */
-} scene_maker;
 
 #endif

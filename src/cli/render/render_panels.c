@@ -271,7 +271,7 @@ static int refuse_idle(const cli_subcommand *command, const char *option, const 
     return cli_usage(command, "%s applies only to %s with it", option, needed);
 }
 
-int render_check_idle(const cli_subcommand *command, const render_settings *settings) {
+static int check_idle_options(const cli_subcommand *command, const render_settings *settings) {
     const unsigned given = settings->given;
     const int hedgehog = (settings->lines & ~(unsigned)RENDER_WIREFRAME) != 0,
               errors = settings->show == RENDER_SHOW_ERROR;
@@ -361,7 +361,8 @@ static size_t read_sides(const render_settings *settings, side sides[RENDER_MOST
     return *list ? 0 : count;
 }
 
-int render_plan_check(const cli_subcommand *command, const render_settings *settings) {
+/* The words of --compare are checked before a file is opened. */
+static int check_sides(const cli_subcommand *command, const render_settings *settings) {
     side sides[RENDER_MOST_PANELS];
     if (settings->compare && read_sides(settings, sides) == 0)
         return cli_usage(
@@ -426,8 +427,8 @@ int render_settings_check(const cli_subcommand *command, render_settings *settin
     if (settings->clay < 0)
         settings->clay = settings->compare || settings->show == RENDER_SHOW_ERROR ||
                          settings->show == RENDER_SHOW_MARKS;
-    int status = render_check_idle(command, settings);
-    if (!status) status = render_plan_check(command, settings);
+    int status = check_idle_options(command, settings);
+    if (!status) status = check_sides(command, settings);
     if (!status) status = check_outputs(command, settings);
     if (!status) status = cli_guard_outputs(&settings->files, ".png");
     return status ? status : cli_make_out_dir(command, &settings->files);

@@ -8,7 +8,7 @@
 
 /* ---- A file that is drawn: opened, closed, and the blocks that live as long as it. */
 
-norma_document_result render_file_fail(norma_document_error *error, norma_document_result result,
+static norma_document_result file_fail(norma_document_error *error, norma_document_result result,
     const char *input, const char *what) {
     error->result = result;
     snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
@@ -17,7 +17,7 @@ norma_document_result render_file_fail(norma_document_error *error, norma_docume
 
 static norma_document_result no_memory_for_scene(
     norma_document_error *error, const render_scene_file *file) {
-    return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    return file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
 }
 
 static int is_gltf(const render_scene_file *file) {
@@ -32,21 +32,32 @@ norma_document_result render_file_open(const render_settings *settings, const ch
         &file->memory, error);
 }
 
-void render_scene_free(render_scene *scene) {
+static void free_scene(render_scene *scene) {
     free((void *)scene->surfaces);
     free((void *)scene->draws);
     *scene = (render_scene){0};
 }
 
 void render_file_close(render_scene_file *file) {
-    for (size_t i = 0; i < file->variant_count; ++i) render_scene_free(&file->scenes[i]);
+    for (size_t i = 0; i < file->variant_count; ++i) free_scene(&file->scenes[i]);
     for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
     free(file->owned);
-    free(file->images);
     free(file->document_meshes);
     norma_document_close(file->document);
     free(file->memory);
     *file = (render_scene_file){0};
+}
+
+/* Freed with the file; 0: out of memory, and the block is freed. */
+static int keep_block(render_scene_file *file, void *block) {
+    void **larger = cli_grow(file->owned, file->owned_count, &file->owned_room, sizeof *larger);
+    if (!larger) {
+        free(block);
+        return 0;
+    }
+    file->owned = larger;
+    file->owned[file->owned_count++] = block;
+    return 1;
 }
 
 void render_file_note(render_scene_file *file, const char *format, ...) {
@@ -61,18 +72,7 @@ void render_file_note(render_scene_file *file, const char *format, ...) {
     char *kept = malloc(strlen(text) + 1);
     if (!kept) return;
     strcpy(kept, text);
-    if (render_file_keep(file, kept)) file->notes[file->note_count++] = kept;
-}
-
-int render_file_keep(render_scene_file *file, void *block) {
-    void **larger = cli_grow(file->owned, file->owned_count, &file->owned_room, sizeof *larger);
-    if (!larger) {
-        free(block);
-        return 0;
-    }
-    file->owned = larger;
-    file->owned[file->owned_count++] = block;
-    return 1;
+    if (keep_block(file, kept)) file->notes[file->note_count++] = kept;
 }
 
 /* ---- Which way is up in a file. */
@@ -108,10 +108,11 @@ static const float clay[3] = {0.55F, 0.53F, 0.48F};
 
 /* ---- images, each decoded once for a file */
 
-struct render_file_image {
+typedef struct render_file_image {
+    struct render_file_image *next;
     size_t number; /* in the file */
     render_picture picture;
-};
+} render_file_image;
 
 /* What cannot be drawn is named in the picture, and in a note with the reason. */
 static void leave_image(render_scene_file *file, const char *list, size_t number, const char *why) {
@@ -124,21 +125,18 @@ static void leave_image(render_scene_file *file, const char *list, size_t number
 
 /* A picture without pixels: it could not be decoded. NULL: out of memory. */
 static const render_picture *picture_of(render_scene_file *file, const norma_texture_info *info) {
-    for (size_t i = 0; i < file->image_count; ++i)
-        if (file->images[i]->number == info->image) return &file->images[i]->picture;
-    struct render_file_image **list = realloc(file->images, (file->image_count + 1) * sizeof *list);
-    if (list) file->images = list;
-    struct render_file_image *made = list ? calloc(1, sizeof *made) : NULL;
-    if (!made) return NULL;
+    for (const render_file_image *known = file->images; known; known = known->next)
+        if (known->number == info->image) return &known->picture;
+    render_file_image *made = calloc(1, sizeof *made);
+    if (!made || !keep_block(file, made)) return NULL;
     render_error why = {.message = "it has no bytes"};
     made->number = info->image;
     if (info->bytes) render_image_decode(info->bytes, info->size, &made->picture, &why);
     if (!made->picture.pixels)
         leave_image(file, "images", info->image, info->not_read ? info->not_read : why.message);
-    if (!render_file_keep(file, made) ||
-        (made->picture.pixels && !render_file_keep(file, made->picture.pixels)))
-        return NULL;
-    file->images[file->image_count++] = made;
+    if (made->picture.pixels && !keep_block(file, made->picture.pixels)) return NULL;
+    made->next = file->images;
+    file->images = made;
     return &made->picture;
 }
 
@@ -152,7 +150,7 @@ static norma_document_result read_texcoords(render_scene_file *file, size_t mesh
         norma_document_texcoords(file->document, mesh, info->texcoord, &texcoords, &count, error);
     if (result || !texcoords) return result;
     float *placed = malloc((2 * count + 1) * sizeof *placed);
-    if (!placed || !render_file_keep(file, placed)) return no_memory_for_scene(error, file);
+    if (!placed || !keep_block(file, placed)) return no_memory_for_scene(error, file);
     norma_texture_place(info, texcoords, count, 2, placed);
     map->texcoords = placed;
     return NORMA_DOCUMENT_OK;
@@ -264,23 +262,17 @@ static norma_document_result render_file_set_material(const render_settings *set
 
 static int render_join_primitives(
     render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
-    float *expected[64];
+    enum { MOST_JOINED = 64 };
+    float *normals;
     render_error trouble;
-    if (count < 2 || count > CLI_COUNT(expected)) return 1;
-    if (render_expect(first, count, expected, &trouble)) {
-        render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
+    if (count < 2 || count > MOST_JOINED) return 1;
+    if (render_expect(first, count, &normals, &trouble)) {
+        file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
         return 0;
     }
-    int good = 1;
-    for (size_t i = 0; i < count; ++i) {
-        first[i].expected = expected[i];
-        if (!render_file_keep(file, expected[i])) {
-            first[i].expected = NULL;
-            good = 0;
-        }
-    }
-    if (!good) no_memory_for_scene(error, file);
-    return good;
+    if (keep_block(file, normals)) return 1;
+    no_memory_for_scene(error, file);
+    return 0;
 }
 
 /* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all
@@ -385,8 +377,8 @@ static int colour_marks(render_scene_file *file, const marks *m, render_surface 
     }
     surface->face_marks = faces;
     surface->corner_marks = corners;
-    const int kept = render_file_keep(file, faces);
-    return render_file_keep(file, corners) && kept && faces && corners;
+    const int kept = keep_block(file, faces);
+    return keep_block(file, corners) && kept && faces && corners;
 }
 
 static int mark_surface(render_scene_file *file, const norma_findings *findings, const char *where,
@@ -404,7 +396,7 @@ static int mark_surface(render_scene_file *file, const norma_findings *findings,
     if (good && m.dots) {
         surface->dots = m.dots;
         surface->dot_count = m.dot_count;
-        good = render_file_keep(file, m.dots);
+        good = keep_block(file, m.dots);
         m.dots = NULL;
     }
     end_marks(&m);
@@ -468,6 +460,13 @@ static norma_document_result render_file_mark(const render_settings *settings,
 /* ---- Where the surfaces of a file stand, as a viewer of the format draws them at rest:
  * at each instance of each node of its scene, moved by morph targets and skins. */
 
+typedef struct scene_maker {
+    render_surface *surfaces;
+    render_draw *draws;
+    size_t surface_count, draw_count;
+    size_t *mesh_of; /* the file's number of the mesh of each surface that does not move */
+} scene_maker;
+
 /* The surfaces of a mesh of the file, which come in the order of their meshes. */
 static int surfaces_of(
     const scene_maker *m, size_t base_count, size_t mesh, size_t *first, size_t *count) {
@@ -505,7 +504,7 @@ static int move_dots(render_scene_file *file, render_surface *surface) {
             find_middle(&surface->mesh, dots[i].face, dots[i].position);
     }
     surface->dots = dots;
-    return render_file_keep(file, dots);
+    return keep_block(file, dots);
 }
 
 /* Errors are measured where the file stores normals: between them and those of the mesh as it is
@@ -744,11 +743,11 @@ static norma_document_result make_scene(const render_settings *settings, render_
         result = cli_fail_empty(file->document, file->input, "draw", error);
     if (!result && settings->show == RENDER_SHOW_TANGENTS && !file->with_tangents &&
         !file->with_texcoords)
-        result = render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
+        result = file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
             "there are no tangents to show: no surface stores any, nor the texture coordinates "
             "that glTF tangents are computed from");
     if (result) {
-        render_scene_free(scene);
+        free_scene(scene);
     } else {
         file->up_guessed = !settings->up_given && !is_gltf(file);
         file->up = settings->up_given ? settings->up
@@ -768,7 +767,7 @@ const render_scene *render_file_scene(const render_settings *settings, render_sc
     for (size_t i = 0; i < file->variant_count; ++i)
         if (same_variant(&file->variants[i], variant)) return &file->scenes[i];
     if (file->variant_count == RENDER_MOST_PANELS) {
-        render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
+        file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
             "would be drawn in too many variants");
         return NULL;
     }
