@@ -136,11 +136,22 @@ static size_t clouds_of(const render_stage *stage, render_cloud *clouds) {
     return count;
 }
 
+/* The shorter side of the picture has the angle of view. */
+static render_camera camera_of(const render_look *look, const render_panel *panel) {
+    const double aspect = (double)look->width / (double)look->height;
+    return (render_camera){.azimuth_deg = panel->azimuth_deg,
+        .elevation_deg = panel->elevation_deg,
+        .up = panel->up,
+        .aspect = aspect,
+        .tangent = tan(look->field_of_view_deg / 2 * DEGREE) / fmin(aspect, 1)};
+}
+
 enum render_result render_stage_make(render_device *device, const render_look *look,
     render_panel *panel, render_stage *stage, render_error *error) {
     const render_scene *scene = panel->scene;
     *stage = (render_stage){.look = look,
         .panel = panel,
+        .camera = camera_of(look, panel),
         .placed = calloc(scene->draw_count + 1, sizeof *stage->placed),
         .placed_count = scene->draw_count};
     render_cloud *clouds = calloc(scene->draw_count + 2, sizeof *clouds);
@@ -238,34 +249,19 @@ enum render_result render_stage_scale(render_stage *stage, double radius, render
 
 /* ---- the camera */
 
-/* The shorter side of the picture has the angle of view. */
-static void set_lens(render_stage *stage) {
-    const render_look *look = stage->look;
-    render_camera *camera = &stage->camera;
-    *camera = (render_camera){.azimuth_deg = stage->panel->azimuth_deg,
-        .elevation_deg = stage->panel->elevation_deg,
-        .up = stage->panel->up};
-    camera->aspect = (double)look->width / (double)look->height;
-    camera->tangent = tan(look->field_of_view_deg / 2 * DEGREE) / fmin(camera->aspect, 1);
-}
-
 render_frame render_stage_frame(const render_stage *stage) {
-    render_stage lens = *stage;
-    render_frame frame = {.distance = 0};
+    render_frame frame = {.distance = -1}; /* without memory */
     const int orthographic = !(stage->look->field_of_view_deg > 0);
-    set_lens(&lens);
     render_cloud *clouds = calloc(stage->placed_count + 2, sizeof *clouds);
-    frame.distance = -1; /* without memory */
     if (clouds)
         frame = render_closest_frame(
-            &lens.camera, orthographic, RENDER_MARGIN, clouds, clouds_of(stage, clouds));
+            &stage->camera, orthographic, RENDER_MARGIN, clouds, clouds_of(stage, clouds));
     free(clouds);
     return frame;
 }
 
 void render_stage_aim(render_stage *stage, const render_frame *frame, double distance) {
     double right[3], up[3], back[3];
-    set_lens(stage);
     render_camera *camera = &stage->camera;
     render_camera_axes(camera, right, up, back);
     for (int k = 0; k < 3; ++k)

@@ -5,9 +5,6 @@
 #include "cli/options/options.h"
 #include "render/render.h"
 
-/* ---- What the files of norma render share: its settings, a document as a scene,
- * panels. */
-
 /* ---- settings */
 
 enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_RULES = 256 };

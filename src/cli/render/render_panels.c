@@ -115,8 +115,6 @@ static const char *set_shown_rules(void *user, const char *value) {
     return NULL;
 }
 
-/* ---- normals */
-
 /* ---- camera and light */
 
 static const char *set_camera(void *user, const char *value) {
@@ -292,8 +290,6 @@ static int check_idle_options(const cli_subcommand *command, const render_settin
 /* ---- Which panels a picture has: one, or what --compare sets side by side, and the words above
  * and below them. */
 
-/* ---- what can be compared: shadings, ways of a normal through the matrix, weights, creases */
-
 enum way { WAY_NONE = 0, WAY_BEFORE, WAY_PLAIN, WAY_RIGHT };
 
 typedef struct side {
@@ -339,24 +335,16 @@ static const char compare_help[] =
     "shadings (flat, gouraud, phong), transforms of normals (before, plain, right), weights "
     "(angle, area, ...) or creases in degrees, separated by commas";
 
-/* The next word of a list with commas; 0: it is too long or empty. */
-static int next_in_list(const char **list, char *word, size_t room) {
-    size_t length = strcspn(*list, ",");
-    if (length == 0 || length >= room) return 0;
-    memcpy(word, *list, length);
-    word[length] = '\0';
-    *list += length;
-    if (**list == ',') ++*list;
-    return 1;
-}
-
 static size_t read_sides(const render_settings *settings, side sides[RENDER_MOST_PANELS]) {
     const char *list = settings->compare == 1 ? "plain,right" : settings->compare_list;
     size_t count = 0;
     char word[32];
     while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_in_list(&list, word, sizeof word) || !read_side(word, &sides[count])) return 0;
-        ++count;
+        const size_t length = strcspn(list, ",");
+        if (length == 0 || length >= sizeof word) return 0;
+        snprintf(word, sizeof word, "%.*s", (int)length, list);
+        if (!read_side(word, &sides[count++])) return 0;
+        list += length + (list[length] == ',');
     }
     return *list ? 0 : count;
 }

@@ -620,8 +620,6 @@ static norma_document_result render_file_draws(const render_settings *settings,
 /* ---- A document as a scene: each mesh a surface, each node that draws one, and each of
  * its instances, a draw. */
 
-/* ---- surfaces */
-
 static enum render_normals stored_as(const norma_mesh_info *info, const norma_mesh_data *data) {
     if (!data->normals.data || data->normals.count == 0) return RENDER_NORMALS_NONE;
     switch (info->normals) {

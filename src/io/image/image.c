@@ -34,9 +34,7 @@ typedef struct png_source {
     image_result result;
 } png_source;
 
-/* ---- Libpng's setjmp, longjmp and callbacks, for all who read or write PNG. */
-
-/* ---- errors: libpng's own functions would print */
+/* ---- PNG by libpng. Errors end in setjmp; its own functions would print them */
 
 static void fail_png(png_structp png, png_const_charp message) {
     (void)message;
