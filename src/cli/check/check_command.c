@@ -226,32 +226,23 @@ static void write_rule_list(FILE *out, const char *key, const uint8_t *mask) {
  * of one report. */
 static int write_shard_options(check_work *work) {
     const check_settings *settings = &work->settings;
+    static const char *const trusts[] = {"own", "none", "any"};
     cli_memory_stream text;
     if (!cli_memory_open(&text)) return cli_out_of_memory();
     cli_json json = {.out = text.out};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "version", norma_version());
-    cli_json_string(
-        &json, "profile", settings->profile ? check_profile_name(settings->profile) : "default");
-    cli_json_bool(&json, "strict", settings->strict);
-    cli_json_number(&json, "fail_on", settings->fail_on);
-    cli_json_size(&json, "max_samples", settings->max_samples);
-    cli_json_size(&json, "input_format", settings->input_format);
-    cli_json_bool(&json, "info", settings->list_infos);
-    cli_json_size(&json, "fix", (size_t)settings->fix);
-    cli_json_bool(&json, "open_by_rays", settings->open_by_rays);
-    cli_json_string(&json, "config",
-        work->config                       ? "given"
-        : work->trust == CHECK_CONFIG_NONE ? "none"
-        : work->trust == CHECK_CONFIG_ANY  ? "any"
-                                           : "own");
-    cli_json_bool(&json, "baseline", work->baseline != NULL);
-    if (settings->against) {
-        cli_json_number(&json, "max_deg",
+    cli_json_print(&json,
+        "{version: %s, profile: %s, strict: %d, fail_on: %g, max_samples: %zu, "
+        "input_format: %zu, info: %d, fix: %zu, open_by_rays: %d, config: %s, baseline: %d",
+        norma_version(), settings->profile ? check_profile_name(settings->profile) : "default",
+        settings->strict, (double)settings->fail_on, settings->max_samples,
+        (size_t)settings->input_format, settings->list_infos, (size_t)settings->fix,
+        settings->open_by_rays, work->config ? "given" : trusts[work->trust],
+        work->baseline != NULL);
+    if (settings->against)
+        cli_json_print(&json, "max_deg: %g, share: %g",
             settings->limits.given & COMPARE_MAX ? cli_given_degrees(settings->limits.max_rad)
-                                                 : NAN);
-        cli_json_number(&json, "share", settings->limits.share);
-    }
+                                                 : NAN,
+            settings->limits.share);
     if (settings->has_select) write_rule_list(text.out, "select", settings->select);
     write_rule_list(text.out, "ignore", settings->ignore);
     cli_json_close(&json, '}');

@@ -10,32 +10,18 @@
 /* ---- Findings for programs: the schema norma-check/1. Keys are fixed; more may be
  * added. */
 
-static const char *fix_name(norma_fix fix) {
-    return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL;
-}
-
-static void write_json_index(cli_json *json, const char *key, size_t number) {
-    if (number == SIZE_MAX)
-        cli_json_null(json, key);
-    else
-        cli_json_size(json, key, number);
-}
-
 static void write_position(cli_json *json, const norma_sample *sample) {
-    if (!sample->has_position) {
+    if (sample->has_position)
+        cli_json_numbers(json, "position", sample->position, 3);
+    else
         cli_json_null(json, "position");
-        return;
-    }
-    cli_json_numbers(json, "position", sample->position, 3);
 }
 
 static void write_json_worst(cli_json *json, const norma_finding *finding) {
-    cli_json_open(json, "worst", '{');
-    cli_json_number(json, "value", finding->worst_value);
-    cli_json_string(json, "unit", finding->unit);
-    write_json_index(json, "vertex", finding->worst.vertex);
-    write_json_index(json, "face", finding->worst.face);
-    write_position(json, &finding->worst);
+    const norma_sample *worst = &finding->worst;
+    cli_json_print(json, "worst: {value: %g, unit: %s, vertex: %zd, face: %zd",
+        finding->worst_value, finding->unit, worst->vertex, worst->face);
+    write_position(json, worst);
     cli_json_close(json, '}');
 }
 
@@ -50,45 +36,30 @@ static void write_json_sample(cli_json *json, const norma_sample *sample) {
 
 /* How the stored normals were probably made, and how many corners are how far off. */
 static void write_deviation(cli_json *json, const norma_deviation *deviation) {
-    static const char *const shadings[] = {"default", "crease", "smooth", "flat"};
-    cli_json_open(json, "deviation", '{');
-    cli_json_string(json, "shading", shadings[deviation->shading]);
-    cli_json_string(json, "weight",
-        deviation->shading == NORMA_SHADING_FLAT ? NULL : norma_weight_name(deviation->weight));
-    cli_json_number(json, "crease_deg", cli_given_degrees(deviation->crease_angle_rad));
-    cli_json_number(json, "mean_deg", cli_to_degrees(deviation->mean_rad));
-    cli_json_number(json, "p50_deg", cli_to_degrees(deviation->p50_rad));
-    cli_json_number(json, "p99_deg", cli_to_degrees(deviation->p99_rad));
-    cli_json_number(json, "max_deg", cli_to_degrees(deviation->max_rad));
-    cli_json_open(json, "histogram", '[');
-    for (size_t bin = 0; bin < NORMA_DEVIATION_BINS; ++bin) {
-        cli_json_open(json, NULL, '{');
-        cli_json_number(json, "below_deg", cli_given_degrees(norma_deviation_bound_rad(bin)));
-        cli_json_size(json, "corners", deviation->histogram[bin]);
-        cli_json_close(json, '}');
-    }
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
+    cli_json_print(json, "deviation: {shading: %s, weight: %s, crease_deg: %g",
+        cli_shading_names[deviation->shading],
+        deviation->shading == NORMA_SHADING_FLAT ? NULL : norma_weight_name(deviation->weight),
+        cli_given_degrees(deviation->crease_angle_rad));
+    cli_json_print(json, "mean_deg: %g, p50_deg: %g, p99_deg: %g, max_deg: %g, histogram: [",
+        cli_to_degrees(deviation->mean_rad), cli_to_degrees(deviation->p50_rad),
+        cli_to_degrees(deviation->p99_rad), cli_to_degrees(deviation->max_rad));
+    for (size_t bin = 0; bin < NORMA_DEVIATION_BINS; ++bin)
+        cli_json_print(json, "{below_deg: %g, corners: %zu}",
+            cli_given_degrees(norma_deviation_bound_rad(bin)), deviation->histogram[bin]);
+    cli_json_print(json, "]}");
 }
 
 static void write_json_item(cli_json *json, const check_item *item) {
     const norma_finding *finding = item->finding;
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "rule", finding->rule->id);
-    cli_json_string(json, "name", finding->rule->name);
-    cli_json_string(json, "severity", cli_severity_name(item->severity));
-    cli_json_string(json, "where", finding->where);
-    cli_json_size(json, "count", finding->count);
+    const norma_rule *rule = finding->rule;
+    cli_json_print(json, "{rule: %s, name: %s, severity: %s, where: %s, count: %zu", rule->id,
+        rule->name, cli_severity_name(item->severity), finding->where, finding->count);
     write_json_worst(json, finding);
     cli_json_open(json, "samples", '[');
     for (size_t i = 0; i < finding->sample_count; ++i)
         write_json_sample(json, &finding->samples[i]);
-    cli_json_close(json, ']');
-    cli_json_string(json, "fix", fix_name(finding->fix));
-    cli_json_string(json, "command", item->command);
-    cli_json_string(json, "message", finding->message);
-    cli_json_string(json, "cause", finding->rule->cause);
-    cli_json_string(json, "impact", finding->rule->why);
+    cli_json_print(json, "], fix: %s, command: %s, message: %s, cause: %s, impact: %s",
+        cli_fix_name(finding->fix), item->command, finding->message, rule->cause, rule->why);
     if (finding->mesh && item->severity >= NORMA_SEVERITY_WARNING) {
         char mesh[17];
         snprintf(mesh, sizeof mesh, "%016" PRIx64, finding->mesh);
@@ -116,8 +87,7 @@ static void begin_json(FILE *out, const check_settings *settings) {
 
 static void write_json_file(FILE *out, const check_report *report) {
     cli_json json = {.out = out};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "path", report->path);
+    cli_json_print(&json, "{path: %s", report->path);
     if (!cli_is_utf8(report->path)) {
         fputs(", \"path_bytes\": \"", out);
         check_write_bytes(out, report->path);
@@ -128,32 +98,24 @@ static void write_json_file(FILE *out, const check_report *report) {
             report->fail_on == CHECK_FAIL_NEVER
                 ? "never"
                 : cli_severity_name((norma_severity)report->fail_on));
-    cli_json_string(&json, "profile", check_profile_name(report->profile));
-    cli_json_string(&json, "status", report->status);
-    cli_json_open(&json, "findings", '[');
+    cli_json_print(&json, "profile: %s, status: %s, findings: [",
+        check_profile_name(report->profile), report->status);
     for (size_t i = 0; i < report->count; ++i) write_json_item(&json, &report->items[i]);
     cli_json_close(&json, ']');
     write_json_reasons(&json, report);
-    if (report->against) fprintf(out, ", \"against\": %s", report->against);
-    if (report->by_rays + report->undecided) {
-        cli_json_open(&json, "open_by_rays", '{');
-        cli_json_size(&json, "decided", report->by_rays);
-        cli_json_size(&json, "undecided", report->undecided);
-        cli_json_number(
-            &json, "least_confidence", report->by_rays ? report->least_confidence : NAN);
-        cli_json_close(&json, '}');
-    }
+    if (report->against) cli_json_raw(&json, "against", report->against);
+    if (report->by_rays + report->undecided)
+        cli_json_print(&json, "open_by_rays: {decided: %zu, undecided: %zu, least_confidence: %g}",
+            report->by_rays, report->undecided, report->by_rays ? report->least_confidence : NAN);
     cli_json_close(&json, '}');
 }
 
 static void end_json(FILE *out, const check_totals *totals, const check_settings *settings) {
     (void)settings;
     cli_json json = {.out = out, .needs_comma = 1};
-    fputs("\n]", out);
-    cli_json_open(&json, "summary", '{');
+    cli_json_print(&json, "\n], summary: {");
     check_write_counts(&json, totals, 0);
-    cli_json_close(&json, '}');
-    fputs("}\n", out);
+    cli_json_print(&json, "}}\n");
 }
 
 const check_format check_format_json = {
@@ -169,45 +131,29 @@ static const char *level_of(norma_severity severity) {
                                                 : "note";
 }
 
-static void write_sarif_text(cli_json *json, const char *key, const char *text) {
-    cli_json_open(json, key, '{');
-    cli_json_string(json, "text", text);
-    cli_json_close(json, '}');
-}
-
 static void write_sarif_rule(cli_json *json, const norma_rule *rule) {
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "id", rule->id);
-    cli_json_string(json, "name", rule->name);
-    write_sarif_text(json, "shortDescription", rule->what);
-    write_sarif_text(json, "fullDescription", rule->why);
-    write_sarif_text(json, "help", rule->how);
-    cli_json_open(json, "defaultConfiguration", '{');
-    cli_json_string(json, "level", level_of(rule->render));
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
+    cli_json_print(json,
+        "{id: %s, name: %s, shortDescription: {text: %s}, fullDescription: {text: %s}, "
+        "help: {text: %s}, defaultConfiguration: {level: %s}}",
+        rule->id, rule->name, rule->what, rule->why, rule->how, level_of(rule->render));
 }
 
 static void begin_sarif(FILE *out, const check_settings *settings) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_json json = {.out = out};
-    fputs("{\"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"version\": "
-          "\"2.1.0\", \"runs\": [{\"tool\": {\"driver\": {\"name\": \"norma\"",
-        out);
-    json.needs_comma = 1;
-    cli_json_string(&json, "semanticVersion", norma_version());
-    cli_json_open(&json, "rules", '[');
+    cli_json_print(&json,
+        "{$schema: %s, version: \"2.1.0\", runs: [{tool: {driver: {name: \"norma\", "
+        "semanticVersion: %s, rules: [",
+        "https://json.schemastore.org/sarif-2.1.0.json", norma_version());
     for (size_t i = 0; i < count; ++i) write_sarif_rule(&json, &rules[i]);
-    cli_json_close(&json, ']');
-    fputs("}}, \"columnKind\": \"unicodeCodePoints\", ", out);
+    cli_json_print(&json, "]}}, columnKind: \"unicodeCodePoints\"");
     if (settings->shards || settings->missing) {
-        fputs("\"properties\": {", out);
-        json.needs_comma = 0;
+        cli_json_open(&json, "properties", '{');
         check_write_shard(&json, settings);
-        fputs("}, ", out);
+        cli_json_close(&json, '}');
     }
-    fputs("\"results\": [\n", out);
+    cli_json_print(&json, "results: [\n");
 }
 
 void check_spell_uri(const char *text, const char *kept, char *uri, size_t size) {
@@ -223,53 +169,32 @@ void check_spell_uri(const char *text, const char *kept, char *uri, size_t size)
     uri[used] = '\0';
 }
 
-static void write_uri(cli_json *json, const char *path) {
-    char uri[4200];
-    check_spell_uri(path, "-._~/!$&'()*+,;=@", uri, sizeof uri); /* RFC 3986: of a path */
-    cli_json_string(json, "uri", uri);
-}
-
 static void write_location(
     cli_json *json, const check_report *report, const norma_finding *finding) {
-    cli_json_open(json, "locations", '[');
-    cli_json_open(json, NULL, '{');
-    cli_json_open(json, "physicalLocation", '{');
-    cli_json_open(json, "artifactLocation", '{');
-    write_uri(json, strcmp(report->path, "-") ? report->path : "stdin");
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
-    if (finding->where[0]) {
-        cli_json_open(json, "logicalLocations", '[');
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "fullyQualifiedName", finding->where);
-        cli_json_string(json, "kind", "object");
-        cli_json_close(json, '}');
-        cli_json_close(json, ']');
-    }
-    cli_json_close(json, '}');
-    cli_json_close(json, ']');
+    char uri[4200];
+    check_spell_uri(strcmp(report->path, "-") ? report->path : "stdin", "-._~/!$&'()*+,;=@", uri,
+        sizeof uri); /* RFC 3986: of a path */
+    cli_json_print(json, "locations: [{physicalLocation: {artifactLocation: {uri: %s}}", uri);
+    if (finding->where[0])
+        cli_json_print(
+            json, "logicalLocations: [{fullyQualifiedName: %s, kind: \"object\"}]", finding->where);
+    cli_json_print(json, "}]");
 }
 
 static void write_result(cli_json *json, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
+    const norma_rule *rule = finding->rule;
     char fingerprint[17];
-    check_fingerprint(report->path, finding->rule->id, finding->where, item->severity, fingerprint);
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "ruleId", finding->rule->id);
-    cli_json_size(json, "ruleIndex", check_rule_number(finding->rule));
-    cli_json_string(json, "level", level_of(item->severity));
-    write_sarif_text(json, "message", finding->message);
+    check_fingerprint(report->path, rule->id, finding->where, item->severity, fingerprint);
+    cli_json_print(json, "{ruleId: %s, ruleIndex: %zu, level: %s, message: {text: %s}", rule->id,
+        check_rule_number(rule), level_of(item->severity), finding->message);
     write_location(json, report, finding);
-    cli_json_open(json, "partialFingerprints", '{');
-    cli_json_string(json, "norma/v1", fingerprint);
-    cli_json_close(json, '}');
-    cli_json_open(json, "properties", '{');
-    cli_json_size(json, "count", finding->count);
-    cli_json_string(json, "command", item->command);
+    cli_json_print(json,
+        "partialFingerprints: {norma/v1: %s}, properties: {count: %zu, command: %s", fingerprint,
+        finding->count, item->command);
     const int fails = (int)item->severity >= report->fail_on;
     if (fails != (item->severity == NORMA_SEVERITY_ERROR)) cli_json_bool(json, "fails", fails);
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
+    cli_json_print(json, "}}");
 }
 
 static void write_sarif_file(FILE *out, const check_report *report) {
@@ -383,10 +308,7 @@ void check_results_write(const check_results *results, FILE *out, check_totals *
 }
 
 static void write_notification(cli_json *json, const char *text) {
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "level", "warning");
-    write_sarif_text(json, "message", text);
-    cli_json_close(json, '}');
+    cli_json_print(json, "{level: \"warning\", message: {text: %s}}", text);
 }
 
 /* What the results do not show. */
@@ -415,10 +337,10 @@ static int has_notifications(const check_totals *totals, const check_settings *s
 
 static void end_sarif(FILE *out, const check_totals *totals, const check_settings *settings) {
     cli_json json = {.out = out, .needs_comma = 1};
-    fprintf(out, "\n], \"invocations\": [{\"exitCode\": %d, \"executionSuccessful\": %s",
-        totals->status, totals->status == CLI_FILE ? "false" : "true");
+    cli_json_print(&json, "\n], invocations: [{exitCode: %zu, executionSuccessful: %d",
+        (size_t)totals->status, totals->status != CLI_FILE);
     if (has_notifications(totals, settings)) write_notifications(&json, totals, settings);
-    fputs("}]}]}\n", out);
+    cli_json_print(&json, "}]}]}\n");
 }
 
 const check_format check_format_sarif = {

@@ -451,16 +451,13 @@ static void write_machine_totals(
     cli_json_open(&json, "rules", '[');
     for (size_t rule = 0; rule < count; ++rule)
         for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
-            if (!totals->by_rule[rule][severity].findings) continue;
-            cli_json_open(&json, NULL, '{');
-            cli_json_string(&json, "rule", rules[rule].id);
-            cli_json_string(&json, "severity", cli_severity_name((norma_severity)severity));
-            cli_json_size(&json, "findings", totals->by_rule[rule][severity].findings);
-            cli_json_size(&json, "files", totals->by_rule[rule][severity].files);
-            cli_json_close(&json, '}');
+            const check_rule_total *total = &totals->by_rule[rule][severity];
+            if (!total->findings) continue;
+            cli_json_print(&json, "{rule: %s, severity: %s, findings: %zu, files: %zu}",
+                rules[rule].id, cli_severity_name((norma_severity)severity), total->findings,
+                total->files);
         }
-    cli_json_close(&json, ']');
-    cli_json_close(&json, '}');
+    cli_json_print(&json, "]}");
     fputs("</script>\n", out);
 }
 

@@ -255,23 +255,16 @@ const char *check_node_path(norma_document *document, const char *where) {
 
 void check_write_shard(cli_json *json, const check_settings *settings) {
     if (settings->shards) {
-        cli_json_open(json, "shard", '[');
-        cli_json_size(json, NULL, settings->shard);
-        cli_json_size(json, NULL, settings->shards);
-        cli_json_close(json, ']');
-        fprintf(json->out, ", \"options\": %s", settings->shard_options);
+        cli_json_print(json, "shard: [%zu, %zu]", settings->shard, settings->shards);
+        cli_json_raw(json, "options", settings->shard_options);
     } else if (settings->missing) {
-        fprintf(json->out, "%s\"missing_shards\": %s", json->needs_comma ? ", " : "",
-            settings->missing);
-        json->needs_comma = 1;
+        cli_json_raw(json, "missing_shards", settings->missing);
     }
 }
 
 void check_write_counts(cli_json *json, const check_totals *totals, int whole) {
-    cli_json_size(json, "errors", totals->errors);
-    cli_json_size(json, "warnings", totals->warnings);
-    cli_json_size(json, "infos", totals->infos);
-    cli_json_size(json, "files", totals->files);
+    cli_json_print(json, "errors: %zu, warnings: %zu, infos: %zu, files: %zu", totals->errors,
+        totals->warnings, totals->infos, totals->files);
     if (whole) cli_json_size(json, "files_with_trouble", totals->files_with_trouble);
     cli_json_size(json, "not_checked", totals->not_checked);
     if (whole) cli_json_size(json, "known", totals->known);

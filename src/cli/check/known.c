@@ -731,13 +731,9 @@ static void write_known(FILE *out, const check_baseline *baseline) {
         const known_finding *known = &baseline->known[i];
         fputs(i ? ",\n" : "\n", out);
         json.needs_comma = 0;
-        cli_json_open(&json, NULL, '{');
-        cli_json_string(&json, "path", known->path);
-        cli_json_string(&json, "rule", known->rule);
-        cli_json_string(&json, "where", known->where);
-        cli_json_string(&json, "severity", cli_severity_name(known->severity));
-        cli_json_size(&json, "count", known->count);
-        cli_json_close(&json, '}');
+        cli_json_print(&json, "{path: %s, rule: %s, where: %s, severity: %s, count: %zu}",
+            known->path, known->rule, known->where, cli_severity_name(known->severity),
+            known->count);
     }
     fputs("\n]}\n", out);
 }

@@ -2,6 +2,7 @@
 #include "cli/compute/compute_together.h"
 #include "cli/files/files.h"
 #include "cli/text/text.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,60 +149,33 @@ static norma_document_result in_passes(void *user, const char *input, const char
 }
 
 /* If edges were not looked at, zero would claim that none are hard. */
-static void write_edges(
-    cli_json *json, const char *key, const norma_compute_summary *summary, size_t count) {
-    if (summary->edges_counted)
-        cli_json_size(json, key, count);
-    else
-        cli_json_null(json, key);
-}
-
-static const char *shading_name(norma_shading shading) {
-    switch (shading) {
-    case NORMA_SHADING_CREASE:
-        return "crease";
-    case NORMA_SHADING_SMOOTH:
-        return "smooth";
-    case NORMA_SHADING_FLAT:
-        return "flat";
-    case NORMA_SHADING_DEFAULT:
-        break;
-    }
-    return "default";
+static size_t counted_edges(const norma_compute_summary *summary, size_t count) {
+    return summary->edges_counted ? count : SIZE_MAX;
 }
 
 static void write_computed_json(const void *user, cli_json *json) {
     const compute_work *work = user;
     const norma_compute_summary *summary = &work->summary;
     const norma_report *counts = &summary->report;
-    cli_json_size(json, "faces", summary->faces);
-    cli_json_open(json, "vertices", '{');
-    cli_json_size(json, "before", summary->vertices_before);
-    cli_json_size(json, "after", summary->vertices_after);
-    cli_json_close(json, '}');
-    cli_json_string(json, "weight", norma_weight_name(work->options.weight));
-    if (summary->shading == NORMA_SHADING_CREASE)
-        cli_json_number(json, "crease_deg", cli_given_degrees(summary->crease_angle_rad));
-    else
-        cli_json_null(json, "crease_deg");
-    write_edges(json, "hard_edges", summary, summary->hard_edges);
-    cli_json_open(json, "report", '{');
-    cli_json_size(json, "degenerate_faces", counts->degenerate_faces.count);
-    cli_json_size(json, "cancelled", counts->cancelled.count);
-    cli_json_size(json, "unreferenced", counts->unreferenced.count);
-    cli_json_size(json, "non_finite", counts->non_finite.count);
-    write_edges(json, "non_manifold_edges", summary, counts->non_manifold_edges.count);
-    write_edges(json, "winding_conflicts", summary, counts->winding_conflicts.count);
-    cli_json_close(json, '}');
-    cli_json_string(json, "shading", shading_name(summary->shading));
-    cli_json_bool(json, "by_groups", summary->by_groups);
-    cli_json_bool(json, "changed", summary->changed);
-    cli_json_size(json, "filled", summary->filled);
-    cli_json_open(json, "tangents", '{');
-    cli_json_size(json, "kept", summary->tangents_kept);
-    cli_json_size(json, "orthogonalised", summary->tangents_orthogonalised);
-    cli_json_size(json, "regenerated", summary->tangents_regenerated);
-    cli_json_close(json, '}');
+    cli_json_print(json,
+        "faces: %zu, vertices: {before: %zu, after: %zu}, weight: %s, crease_deg: %g, "
+        "hard_edges: %zd",
+        summary->faces, summary->vertices_before, summary->vertices_after,
+        norma_weight_name(work->options.weight),
+        summary->shading == NORMA_SHADING_CREASE ? cli_given_degrees(summary->crease_angle_rad)
+                                                 : NAN,
+        counted_edges(summary, summary->hard_edges));
+    cli_json_print(json,
+        "report: {degenerate_faces: %zu, cancelled: %zu, unreferenced: %zu, non_finite: %zu, "
+        "non_manifold_edges: %zd, winding_conflicts: %zd}",
+        counts->degenerate_faces.count, counts->cancelled.count, counts->unreferenced.count,
+        counts->non_finite.count, counted_edges(summary, counts->non_manifold_edges.count),
+        counted_edges(summary, counts->winding_conflicts.count));
+    cli_json_print(json,
+        "shading: %s, by_groups: %d, changed: %d, filled: %zu, tangents: {kept: %zu, "
+        "orthogonalised: %zu, regenerated: %zu}",
+        cli_shading_names[summary->shading], summary->by_groups, summary->changed, summary->filled,
+        summary->tangents_kept, summary->tangents_orthogonalised, summary->tangents_regenerated);
     if (work->passes) cli_json_size(json, "passes", work->passes);
 }
 

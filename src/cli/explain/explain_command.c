@@ -80,23 +80,12 @@ static void print_rule(const norma_rule *rule) {
 
 static void write_rule_json(const norma_rule *rule) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "id", rule->id);
-    cli_json_string(&json, "name", rule->name);
-    cli_json_string(&json, "render", cli_severity_name(rule->render));
-    cli_json_string(&json, "print", cli_severity_name(rule->print));
-    cli_json_string(&json, "generated",
-        cli_severity_name(norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED)));
-    cli_json_string(&json, "fix",
-        rule->fix == NORMA_FIX_SAFE     ? "safe"
-        : rule->fix == NORMA_FIX_UNSAFE ? "unsafe"
-                                        : NULL);
-    cli_json_string(&json, "what", rule->what);
-    cli_json_string(&json, "cause", rule->cause);
-    cli_json_string(&json, "why", rule->why);
-    cli_json_string(&json, "how", rule->how);
-    cli_json_close(&json, '}');
-    putchar('\n');
+    cli_json_print(&json,
+        "{id: %s, name: %s, render: %s, print: %s, generated: %s, fix: %s, what: %s, cause: %s, "
+        "why: %s, how: %s}\n",
+        rule->id, rule->name, cli_severity_name(rule->render), cli_severity_name(rule->print),
+        cli_severity_name(norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED)),
+        cli_fix_name(rule->fix), rule->what, rule->cause, rule->why, rule->how);
 }
 
 static void list_rule(const norma_rule *rule) {

@@ -205,17 +205,14 @@ static void write_growth(const file_job *job, FILE *out) {
 static void report_change_json(
     const file_job *job, const norma_document *document, const norma_document_error *error) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "input", job->input);
-    cli_json_string(&json, "output", error->result ? NULL : job->output);
+    cli_json_print(&json, "{input: %s, output: %s", job->input, error->result ? NULL : job->output);
     if (error->result)
         cli_json_string(&json, "error", error->message);
     else {
         job->changer->write_json(job->changer->work, &json);
         cli_json_notes(&json, document);
     }
-    cli_json_close(&json, '}');
-    fputc('\n', stdout);
+    cli_json_print(&json, "}\n");
 }
 
 static void report_change(

@@ -14,19 +14,7 @@ static size_t mesh_end(const contents *found, size_t first) {
     return end;
 }
 
-static const char *storage_name(norma_normal_storage storage) {
-    switch (storage) {
-    case NORMA_NORMALS_NONE:
-        return "none";
-    case NORMA_NORMALS_PER_VERTEX:
-        return "vertex";
-    case NORMA_NORMALS_PER_CORNER:
-        return "corner";
-    case NORMA_NORMALS_PER_FACET:
-        return "facet";
-    }
-    return "none";
-}
+static const char *const storage_names[] = {"none", "vertex", "corner", "facet"};
 
 /* What a mesh has is what every part of it with faces has. */
 static norma_normal_storage storage_of(
@@ -55,30 +43,31 @@ static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
 
 /* ---- for programs */
 
+/* Ends the object that is open. */
 static void write_off(cli_json *json, const off_by *off) {
-    cli_json_number(json, "p50_deg", off->p50_deg);
-    cli_json_number(json, "p99_deg", off->p99_deg);
-    cli_json_number(json, "max_deg", off->max_deg);
+    cli_json_print(
+        json, "p50_deg: %g, p99_deg: %g, max_deg: %g}", off->p50_deg, off->p99_deg, off->max_deg);
 }
 
 static void write_explained(cli_json *json, const cli_explained *explained) {
-    cli_json_open(json, "explained_by", '{');
-    cli_json_string(json, "shading",
+    cli_json_print(json, "explained_by: {shading: %s, weight: %s, crease_deg: %g",
         explained->flat                ? "flat"
         : isnan(explained->crease_deg) ? "smooth"
-                                       : "crease");
-    cli_json_string(json, "weight", explained->flat ? NULL : norma_weight_name(explained->weight));
-    cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
+                                       : "crease",
+        explained->flat ? NULL : norma_weight_name(explained->weight),
+        explained->flat ? NAN : explained->crease_deg);
     write_off(json, &explained->off);
-    cli_json_close(json, '}');
 }
 
 static const char *way_word(norma_tangent_source source) {
-    return source == NORMA_TANGENTS_BY_MIKK            ? "mikktspace-triangles"
-           : source == NORMA_TANGENTS_BY_MIKK_ON_QUADS ? "mikktspace-quads"
-           : source == NORMA_TANGENTS_BY_MESHOPT       ? "meshoptimizer"
-           : source == NORMA_TANGENTS_BY_STEADY        ? "steady"
-                                                       : "vertex-sums";
+    static const char *const words[] = {
+        [NORMA_TANGENTS_BY_MIKK] = "mikktspace-triangles",
+        [NORMA_TANGENTS_BY_MIKK_ON_QUADS] = "mikktspace-quads",
+        [NORMA_TANGENTS_BY_VERTEX_SUMS] = "vertex-sums",
+        [NORMA_TANGENTS_BY_MESHOPT] = "meshoptimizer",
+        [NORMA_TANGENTS_BY_STEADY] = "steady",
+    };
+    return words[source];
 }
 
 /* Under the tangents that a renderer makes in this way. */
@@ -87,41 +76,31 @@ static void write_map_error(
     const off_by off = off_in_degrees(error->p50_rad, error->p99_rad, error->max_rad);
     cli_json_open(json, way_word(renderer), '{');
     write_off(json, &off);
-    cli_json_close(json, '}');
 }
 
 static void write_explained_tangents(cli_json *json, const cli_explained_tangents *explained) {
     const norma_tangent_deviation *deviation = &explained->deviation;
-    cli_json_open(json, "tangents_explained_by", '{');
-    cli_json_string(json, "way", way_word(deviation->source));
-    cli_json_bool(json, "texture_transform", deviation->transformed);
-    cli_json_string(json, "sign", deviation->negated ? "negated" : "as-is");
-    cli_json_size(json, "signs_other", deviation->signs_other);
-    cli_json_size(json, "corners", deviation->corners);
-    cli_json_size(json, "explained", deviation->explained);
-    write_off(json, &explained->off);
-    cli_json_open(json, "map_error", '{');
+    cli_json_print(json,
+        "tangents_explained_by: {way: %s, texture_transform: %d, sign: %s, signs_other: %zu, "
+        "corners: %zu, explained: %zu, p50_deg: %g, p99_deg: %g, max_deg: %g, map_error: {",
+        way_word(deviation->source), deviation->transformed,
+        deviation->negated ? "negated" : "as-is", deviation->signs_other, deviation->corners,
+        deviation->explained, explained->off.p50_deg, explained->off.p99_deg,
+        explained->off.max_deg);
     write_map_error(json, NORMA_TANGENTS_BY_MIKK, &deviation->under_mikk);
     write_map_error(json, NORMA_TANGENTS_BY_MESHOPT, &deviation->under_meshopt);
     write_map_error(json, NORMA_TANGENTS_BY_VERTEX_SUMS, &deviation->under_vertex_sums);
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
+    cli_json_print(json, "}}");
 }
 
 static void write_info_part(cli_json *json, const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "where", info->where);
-    cli_json_size(json, "vertices", info->vertices);
-    cli_json_size(json, "faces", info->faces);
-    cli_json_size(json, "triangles", info->triangles);
-    cli_json_string(json, "normals", storage_name(info->normals));
-    cli_json_string(json, "encoding", info->encoding);
-    cli_json_bool(json, "tangents", info->has_tangents);
-    cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
-    cli_json_size(json, "morph_targets", info->morph_targets);
-    cli_json_string(json, "compression", info->compression);
-    cli_json_string(json, "not_read", info->not_read);
+    cli_json_print(json,
+        "{where: %s, vertices: %zu, faces: %zu, triangles: %zu, normals: %s, encoding: %s, "
+        "tangents: %d, smoothing_groups: %d, morph_targets: %zu, compression: %s, not_read: %s",
+        info->where, info->vertices, info->faces, info->triangles, storage_names[info->normals],
+        info->encoding, info->has_tangents, info->has_smoothing_groups, info->morph_targets,
+        info->compression, info->not_read);
     if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
     if (part->is_explained) write_explained(json, &part->explained);
     if (part->has_explained_tangents) write_explained_tangents(json, &part->tangents);
@@ -136,56 +115,42 @@ static void write_mesh(cli_json *json, const contents *found, size_t first, size
         vertices += found->parts[i].info.vertices;
         faces += found->parts[i].info.faces;
     }
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", found->parts[first].info.name);
-    cli_json_size(json, "vertices", vertices);
-    cli_json_size(json, "faces", faces);
-    cli_json_string(json, "normals", storage_name(storage));
-    cli_json_string(json, "encoding", encoding);
-    cli_json_open(json, "primitives", '[');
+    cli_json_print(json,
+        "{name: %s, vertices: %zu, faces: %zu, normals: %s, encoding: %s, primitives: [",
+        found->parts[first].info.name, vertices, faces, storage_names[storage], encoding);
     for (size_t i = first; i < end; ++i) write_info_part(json, &found->parts[i]);
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
+    cli_json_print(json, "]}");
 }
 
 static void write_nodes(cli_json *json, const contents *found) {
     norma_matrix_info matrix;
     cli_json_open(json, "nodes", '[');
     for (size_t i = 0; i < found->node_count; ++i) {
-        const norma_node_info node = found->nodes[i];
-        kind_of(&node, &matrix);
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", node.name);
-        cli_json_string(json, "kind", cli_kind_name(matrix.kind));
-        cli_json_bool(json, "mirrored", matrix.mirrored);
-        cli_json_number(json, "anisotropy", matrix.anisotropy);
-        cli_json_size(json, "node", node.node);
-        cli_json_size(json, "mesh", node.mesh);
-        cli_json_size(json, "instances", node.instances);
-        cli_json_close(json, '}');
+        const norma_node_info *node = &found->nodes[i];
+        kind_of(node, &matrix);
+        cli_json_print(json,
+            "{name: %s, kind: %s, mirrored: %d, anisotropy: %g, node: %zu, mesh: %zu, "
+            "instances: %zu}",
+            node->name, cli_kind_name(matrix.kind), matrix.mirrored, matrix.anisotropy, node->node,
+            node->mesh, node->instances);
     }
     cli_json_close(json, ']');
 }
 
 static void write_bounds(cli_json *json, const info_bounds *bounds) {
-    if (!bounds->known) {
+    const double *least = bounds->least, *most = bounds->most;
+    if (bounds->known)
+        cli_json_print(json, "bounds: [[%g, %g, %g], [%g, %g, %g]]", least[0], least[1], least[2],
+            most[0], most[1], most[2]);
+    else
         cli_json_null(json, "bounds");
-        return;
-    }
-    cli_json_open(json, "bounds", '[');
-    cli_json_numbers(json, NULL, bounds->least, 3);
-    cli_json_numbers(json, NULL, bounds->most, 3);
-    cli_json_close(json, ']');
 }
 
 static void write_model(cli_json *json, const contents *found) {
     cli_json_string(json, "format", norma_file_format_name(found->format));
     write_bounds(json, &found->bounds);
-    cli_json_size(json, "vertices", found->vertices);
-    cli_json_size(json, "faces", found->faces);
-    cli_json_size(json, "triangles", found->triangles);
-    cli_json_size(json, "skins", found->skin_count);
-    cli_json_open(json, "meshes", '[');
+    cli_json_print(json, "vertices: %zu, faces: %zu, triangles: %zu, skins: %zu, meshes: [",
+        found->vertices, found->faces, found->triangles, found->skin_count);
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
         write_mesh(json, found, first, mesh_end(found, first));
     cli_json_close(json, ']');
@@ -195,13 +160,11 @@ static void write_model(cli_json *json, const contents *found) {
 
 void info_write_json(const contents *found, size_t count) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "path", found->path);
+    cli_json_print(&json, "{path: %s", found->path);
     if (count == 1) {
         write_model(&json, found);
     } else {
-        cli_json_string(&json, "format", norma_file_format_name(found->format));
-        cli_json_open(&json, "tiles", '[');
+        cli_json_print(&json, "format: %s, tiles: [", norma_file_format_name(found->format));
         for (size_t i = 0; i < count; ++i) {
             cli_json_open(&json, NULL, '{');
             write_model(&json, &found[i]);
@@ -209,17 +172,12 @@ void info_write_json(const contents *found, size_t count) {
         }
         cli_json_close(&json, ']');
     }
-    cli_json_close(&json, '}');
-    fputc('\n', stdout);
+    cli_json_print(&json, "}\n");
 }
 
 void info_write_failure(const char *path, const norma_document_error *error) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "path", path);
-    cli_json_string(&json, "error", error->message);
-    cli_json_close(&json, '}');
-    fputc('\n', stdout);
+    cli_json_print(&json, "{path: %s, error: %s}\n", path, error->message);
 }
 
 /* ---- for people */
@@ -290,7 +248,7 @@ static void print_part(const mesh_part *part) {
     if (info->normals == NORMA_NORMALS_NONE)
         fputs(", no normals", stdout);
     else
-        printf(", normals per %s (%s)", storage_name(info->normals), info->encoding);
+        printf(", normals per %s (%s)", storage_names[info->normals], info->encoding);
     fputs(info->has_tangents ? ", tangents" : "", stdout);
     fputs(info->has_smoothing_groups ? ", smoothing groups" : "", stdout);
     cli_part(stdout, ", ", info->morph_targets, "morph target", "morph targets");
@@ -320,14 +278,14 @@ static void print_mesh(const contents *found, size_t first, size_t end) {
 static void print_nodes(const contents *found) {
     norma_matrix_info matrix;
     for (size_t i = 0; i < found->node_count; ++i) {
-        const norma_node_info node = found->nodes[i];
-        kind_of(&node, &matrix);
-        printf("  node %zu", node.node);
-        print_name(node.name);
-        printf(" draws mesh %zu", node.mesh);
-        if (node.instances != 1) {
+        const norma_node_info *node = &found->nodes[i];
+        kind_of(node, &matrix);
+        printf("  node %zu", node->node);
+        print_name(node->name);
+        printf(" draws mesh %zu", node->mesh);
+        if (node->instances != 1) {
             fputs(" in ", stdout);
-            cli_counted(stdout, node.instances, "instance", "instances");
+            cli_counted(stdout, node->instances, "instance", "instances");
         }
         printf(": %s", cli_kind_name(matrix.kind));
         if (!isfinite(matrix.anisotropy))

@@ -31,19 +31,7 @@ typedef struct matrix_answer {
     norma_shortcut shortcut;
 } matrix_answer;
 
-static const char *shortcut_name(norma_shortcut shortcut) {
-    switch (shortcut) {
-    case NORMA_SHORTCUT_NONE:
-        return "none";
-    case NORMA_SHORTCUT_ROTATION:
-        return "rotation";
-    case NORMA_SHORTCUT_UNIFORM_SCALE:
-        return "uniform-scale";
-    case NORMA_SHORTCUT_AXIS_SCALE:
-        return "axis-scale";
-    }
-    return "none";
-}
+static const char *const shortcut_names[] = {"none", "rotation", "uniform-scale", "axis-scale"};
 
 static int answer(const cli_subcommand *command, const double model[16], matrix_answer *found) {
     norma_result result =
@@ -70,26 +58,21 @@ static void write_rows(cli_json *json, const char *key, const double columns[9])
 
 static void write_matrix_json(const matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
+    const float *worst = info->worst_normal;
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "kind", cli_kind_name(info->kind));
-    cli_json_bool(&json, "mirrored", info->mirrored);
-    cli_json_size(&json, "rank", (size_t)info->rank);
-    cli_json_number(&json, "determinant", info->determinant);
-    cli_json_number(&json, "anisotropy", info->anisotropy);
-    cli_json_number(&json, "worst_error_deg", cli_to_degrees(info->worst_error_rad));
-    cli_json_open(&json, "worst_normal", '[');
-    for (int i = 0; i < 3; ++i) cli_json_number(&json, NULL, (double)info->worst_normal[i]);
-    cli_json_close(&json, ']');
+    cli_json_print(&json,
+        "{kind: %s, mirrored: %d, rank: %zu, determinant: %g, anisotropy: %g, "
+        "worst_error_deg: %g, worst_normal: [%g, %g, %g]",
+        cli_kind_name(info->kind), info->mirrored, (size_t)info->rank, info->determinant,
+        info->anisotropy, cli_to_degrees(info->worst_error_rad), (double)worst[0], (double)worst[1],
+        (double)worst[2]);
     write_rows(&json, "normal_matrix", found->normal);
     write_rows(&json, "cofactor", found->cofactor);
     if (found->has_inverse)
         write_rows(&json, "inverse_transpose", found->inverse_transpose);
     else
         cli_json_null(&json, "inverse_transpose");
-    cli_json_string(&json, "shortcut", shortcut_name(found->shortcut));
-    cli_json_close(&json, '}');
-    fputc('\n', stdout);
+    cli_json_print(&json, "shortcut: %s}\n", shortcut_names[found->shortcut]);
 }
 
 /* ---- for people */

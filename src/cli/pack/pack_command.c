@@ -45,14 +45,10 @@ static norma_document_result pack_change(void *user, norma_document *document,
 
 static void write_part_json(cli_json *json, const char *key, const norma_pack_part *part) {
     cli_json_open(json, key, '{');
-    cli_json_size(json, "accessors", part->accessors);
-    cli_json_size(json, "packed", part->packed);
-    cli_json_open(json, "bytes", '{');
-    cli_json_size(json, "before", part->bytes_before);
-    cli_json_size(json, "after", part->bytes_after);
-    cli_json_close(json, '}');
-    cli_json_number(json, "error_deg", part->max_error_rad / RADIANS);
-    cli_json_close(json, '}');
+    cli_json_print(json,
+        "accessors: %zu, packed: %zu, bytes: {before: %zu, after: %zu}, error_deg: %g}",
+        part->accessors, part->packed, part->bytes_before, part->bytes_after,
+        part->max_error_rad / RADIANS);
 }
 
 static void write_pack_json(const void *user, cli_json *json) {
@@ -61,8 +57,7 @@ static void write_pack_json(const void *user, cli_json *json) {
     cli_json_number(json, "max_error_deg", work->options.max_error_rad / RADIANS);
     write_part_json(json, "normals", &summary->normals);
     write_part_json(json, "tangents", &summary->tangents);
-    cli_json_size(json, "made_unit", summary->made_unit);
-    cli_json_bool(json, "changed", summary->changed);
+    cli_json_print(json, "made_unit: %zu, changed: %d", summary->made_unit, summary->changed);
 }
 
 static void write_part_text(FILE *out, const char *name, const norma_pack_part *part) {

@@ -70,13 +70,8 @@ static void report_written(const seams_work *work) {
     const norma_seams_summary *summary = &work->summary;
     cli_json json = {.out = stdout};
     if (work->common.json) {
-        cli_json_open(&json, NULL, '{');
-        cli_json_string(&json, "output", work->output);
-        cli_json_size(&json, "tiles", summary->tiles);
-        cli_json_size(&json, "positions", (size_t)summary->positions);
-        cli_json_size(&json, "bytes", (size_t)summary->bytes);
-        cli_json_close(&json, '}');
-        fputc('\n', stdout);
+        cli_json_print(&json, "{output: %s, tiles: %zu, positions: %zu, bytes: %zu}\n",
+            work->output, summary->tiles, (size_t)summary->positions, (size_t)summary->bytes);
     } else if (!work->common.quiet) {
         cli_say(stderr, "%s: votes of ", work->output);
         cli_counted(stderr, summary->tiles, "tile", "tiles");

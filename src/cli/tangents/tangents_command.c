@@ -83,23 +83,14 @@ static const char *mode_name(const tangents_work *work) {
 static void write_tangents_json(const void *user, cli_json *json) {
     const tangents_work *work = user;
     const norma_tangent_summary *summary = &work->summary;
-    cli_json_string(json, "mode", mode_name(work));
-    if (work->options.texcoord_given)
-        cli_json_size(json, "texcoord", work->options.texcoord);
-    else
-        cli_json_null(json, "texcoord");
-    cli_json_open(json, "vertices", '{');
-    cli_json_size(json, "before", summary->vertices_before);
-    cli_json_size(json, "after", summary->vertices_after);
-    cli_json_close(json, '}');
-    cli_json_open(json, "report", '{');
-    cli_json_size(json, "degenerate", summary->degenerate);
-    cli_json_size(json, "non_finite", summary->non_finite);
-    cli_json_size(json, "cancelled", summary->cancelled);
-    cli_json_close(json, '}');
-    cli_json_size(json, "primitives", summary->primitives);
-    cli_json_size(json, "left_out", summary->left_out);
-    cli_json_bool(json, "changed", summary->changed);
+    cli_json_print(json, "mode: %s, texcoord: %zd, vertices: {before: %zu, after: %zu}",
+        mode_name(work), work->options.texcoord_given ? work->options.texcoord : SIZE_MAX,
+        summary->vertices_before, summary->vertices_after);
+    cli_json_print(json,
+        "report: {degenerate: %zu, non_finite: %zu, cancelled: %zu}, primitives: %zu, "
+        "left_out: %zu, changed: %d",
+        summary->degenerate, summary->non_finite, summary->cancelled, summary->primitives,
+        summary->left_out, summary->changed);
 }
 
 /* Corners that have no tangent of their own, and why. */

@@ -308,6 +308,54 @@ void cli_json_raw(cli_json *json, const char *key, const char *text) {
     fputs(text, json->out);
 }
 
+/* at: behind the %; what follows it. */
+static const char *print_value(
+    cli_json *json, const char *key, const char *at, va_list *arguments) {
+    const int is_size = *at == 'z';
+    at += is_size;
+    const size_t count = is_size ? va_arg(*arguments, size_t) : 0;
+    if (*at == 'd' && count == SIZE_MAX)
+        cli_json_null(json, key);
+    else if (is_size)
+        cli_json_size(json, key, count);
+    else if (*at == 's')
+        cli_json_string(json, key, va_arg(*arguments, const char *));
+    else if (*at == 'g')
+        cli_json_number(json, key, va_arg(*arguments, double));
+    else
+        cli_json_bool(json, key, va_arg(*arguments, int));
+    return at + 1;
+}
+
+void cli_json_print(cli_json *json, const char *format, ...) {
+    char name[64];
+    const char *key = NULL; /* of the next value */
+    va_list arguments;
+    va_start(arguments, format);
+    for (const char *at = format; *at;) {
+        const size_t length = strcspn(at, ":, {}[]%\n");
+        if (length && at[length] == ':') {
+            snprintf(name, sizeof name, "%.*s", (int)length, at);
+            key = name;
+            at += length + 1;
+        } else if (length) {
+            begin_value(json, key);
+            fwrite(at, 1, length, json->out);
+            key = NULL;
+            at += length;
+        } else if (*at == '%') {
+            at = print_value(json, key, at + 1, &arguments);
+            key = NULL;
+        } else {
+            if (*at == '{' || *at == '[') cli_json_open(json, key, *at), key = NULL;
+            if (*at == '}' || *at == ']') cli_json_close(json, *at);
+            if (*at == '\n') fputc('\n', json->out);
+            ++at;
+        }
+    }
+    va_end(arguments);
+}
+
 /* ---- What people read: counts with commas, angles without noise, names of weights and
  * kinds. */
 
@@ -395,23 +443,16 @@ norma_severity cli_find_severity(const char *name) {
 }
 
 const char *cli_kind_name(norma_kind kind) {
-    switch (kind) {
-    case NORMA_KIND_IDENTITY:
-        return "identity";
-    case NORMA_KIND_TRANSLATION:
-        return "translation";
-    case NORMA_KIND_ROTATION:
-        return "rotation";
-    case NORMA_KIND_UNIFORM_SCALE:
-        return "uniform-scale";
-    case NORMA_KIND_NON_UNIFORM_SCALE:
-        return "non-uniform-scale";
-    case NORMA_KIND_SHEAR:
-        return "shear";
-    case NORMA_KIND_SINGULAR:
-        return "singular";
-    }
-    return "unknown";
+    static const char *const names[] = {"identity", "translation", "rotation", "uniform-scale",
+        "non-uniform-scale", "shear", "singular"};
+    return names[kind];
+}
+
+const char *const cli_shading_names[] = {"default", "crease", "smooth", "flat"};
+
+const char *cli_fix_name(norma_fix fix) {
+    static const char *const names[] = {NULL, "safe", "unsafe"};
+    return names[fix];
 }
 
 /* ---- Colours by the wish of the user, the environment and the terminal; words wrapped at

@@ -71,6 +71,10 @@ void cli_json_numbers(cli_json *json, const char *key, const double *numbers, si
 void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
 void cli_json_raw(cli_json *json, const char *key, const char *text); /* which is JSON already */
+/* Several at once, as the format shows them: "{path: %s, faces: %zu, where: [%g, %g], by: null}".
+ * %s a text, %zu a count, %zd the same, where SIZE_MAX is null, %g a number, %d true or false; any
+ * other word stands for itself. Brackets may be closed by another call. */
+CLI_FORMAT(2, 3) void cli_json_print(cli_json *json, const char *format, ...);
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 
 /* ---- JSON that was read. Strict: besides what RFC 8259 forbids, members that are there twice and
@@ -129,6 +133,8 @@ const char *cli_find_weight(const char *word, norma_weight *out);
 const char *cli_kind_name(norma_kind kind);
 const char *cli_severity_name(norma_severity severity); /* "error" */
 norma_severity cli_find_severity(const char *name);     /* NONE: none is called so */
+const char *cli_fix_name(norma_fix fix);                /* NULL: by hand */
+extern const char *const cli_shading_names[];           /* of each norma_shading */
 double cli_radians(double degrees);
 double cli_to_degrees(double radians);
 double cli_given_degrees(double radians); /* 60 where 60 was given: rounded to 1e-9 */

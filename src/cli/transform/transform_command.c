@@ -51,12 +51,11 @@ static norma_document_result transform_change(void *user, norma_document *docume
 
 static void write_transformed_json(const void *user, cli_json *json) {
     const transform_work *work = user;
-    cli_json_size(json, "vertices", work->summary.vertices);
-    cli_json_bool(json, "mirrored", work->summary.mirrored);
-    cli_json_size(json, "meshes", work->summary.meshes);
-    cli_json_size(json, "nodes_baked", work->summary.nodes_baked);
-    cli_json_bool(json, "changed", work->summary.changed);
-    cli_json_string(json, "kind", cli_kind_name(work->info.kind));
+    const norma_transform_summary *summary = &work->summary;
+    cli_json_print(json,
+        "vertices: %zu, mirrored: %d, meshes: %zu, nodes_baked: %zu, changed: %d, kind: %s",
+        summary->vertices, summary->mirrored, summary->meshes, summary->nodes_baked,
+        summary->changed, cli_kind_name(work->info.kind));
 }
 
 /* The rank is judged with a tolerance; what is left of normals is not. */
