@@ -56,10 +56,9 @@ typedef struct waiting_call {
 } waiting_call;
 
 typedef struct captured {
-    int descriptor;
-    char *bytes;
+    int descriptor; /* -1: it has ended */
+    char *bytes;    /* with a 0 behind them */
     size_t size, room;
-    size_t most;
 } captured;
 
 typedef struct mcp_server {
@@ -86,79 +85,60 @@ typedef struct mcp_server {
 
 /* ---- messages */
 
-static char *json_of(cli_value value) {
-    return cli_string(value) || value.in ? cli_json_sorted(value) : NULL;
+static char *json_of(cli_value value) { return value.in ? cli_json_sorted(value) : NULL; }
+
+static cli_json mcp_begin_message(void) {
+    cli_json json = {.out = stdout};
+    cli_json_print(&json, "{jsonrpc: \"2.0\"");
+    return json;
 }
 
-/* A message in memory first, so that a line is whole. */
-static void mcp_begin_message(cli_memory_stream *stream, cli_json *json) {
-    if (!cli_memory_open(stream)) exit(cli_out_of_memory());
-    *json = (cli_json){.out = stream->out};
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "jsonrpc", "2.0");
+static void end_message(cli_json *json) {
+    cli_json_print(json, "}\n");
+    if (fflush(stdout) || ferror(stdout)) exit(CLI_FILE); /* the client has gone */
 }
 
-static void end_message(cli_memory_stream *stream, cli_json *json) {
+static cli_json begin_answer(const char *id, int modern) {
+    cli_json json = mcp_begin_message();
+    cli_json_raw(&json, "id", id);
+    cli_json_print(&json, modern ? "result: {resultType: \"complete\"" : "result: {");
+    return json;
+}
+
+static void end_answer(cli_json *json) {
     cli_json_close(json, '}');
-    fputc('\n', stream->out);
-    if (!cli_memory_close(stream)) exit(cli_out_of_memory());
-    const int lost =
-        fwrite(stream->text, 1, stream->size, stdout) != stream->size || fflush(stdout) != 0;
-    free(stream->text);
-    if (lost) exit(CLI_FILE); /* the client has gone */
+    end_message(json);
 }
 
-static void begin_answer(cli_memory_stream *stream, cli_json *json, const char *id, int modern) {
-    mcp_begin_message(stream, json);
-    cli_json_raw(json, "id", id);
-    cli_json_open(json, "result", '{');
-    if (modern) cli_json_string(json, "resultType", "complete");
-}
-
-static void end_answer(cli_memory_stream *stream, cli_json *json) {
-    cli_json_close(json, '}');
-    end_message(stream, json);
-}
-
-/* id NULL: it could not be read. data: JSON, or NULL. */
-static void send_error(const char *id, int code, const char *message, const char *data) {
-    cli_memory_stream stream;
-    cli_json json;
-    mcp_begin_message(&stream, &json);
+/* id NULL: it could not be read. */
+static cli_json begin_error(const char *id, int code, const char *message) {
+    cli_json json = mcp_begin_message();
     cli_json_raw(&json, "id", id ? id : "null");
-    cli_json_open(&json, "error", '{');
-    cli_json_number(&json, "code", code);
-    cli_json_string(&json, "message", message);
-    if (data) cli_json_raw(&json, "data", data);
-    cli_json_close(&json, '}');
-    end_message(&stream, &json);
+    cli_json_print(&json, "error: {code: %g, message: %s", (double)code, message);
+    return json;
 }
 
-/* Lists and rules change with the program only. */
-static void write_cache_hint(cli_json *json, int modern) {
-    if (!modern) return;
-    cli_json_size(json, "ttlMs", 3600000);
-    cli_json_string(json, "cacheScope", "public");
+static void send_error(const char *id, int code, const char *message) {
+    cli_json json = begin_error(id, code, message);
+    end_answer(&json);
+}
+
+/* The end of an answer that changes with the program only, as lists and rules do. */
+static void end_constant(cli_json *json, int modern) {
+    if (modern) cli_json_print(json, "ttlMs: 3600000, cacheScope: \"public\"");
+    end_answer(json);
 }
 
 /* ---- what is answered at once */
 
 static void write_server(cli_json *json, const char *key) {
     cli_json_open(json, key, '{');
-    cli_json_string(json, "name", "norma");
-    cli_json_string(json, "title", "Norma: surface normals of meshes");
-    cli_json_string(json, "version", norma_version());
-    cli_json_close(json, '}');
+    cli_json_print(json, "name: \"norma\", title: %s, version: %s}",
+        "Norma: surface normals of meshes", norma_version());
 }
 
 static void write_abilities(cli_json *json, const mcp_server *server) {
-    cli_json_open(json, "capabilities", '{');
-    cli_json_open(json, "tools", '{');
-    cli_json_close(json, '}');
-    cli_json_open(json, "resources", '{');
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
-    cli_json_string(json, "instructions",
+    cli_json_print(json, "capabilities: {tools: {}, resources: {}}, instructions: %s",
         server->read_only
             ? "Checks the normals of mesh files. Begin with check_mesh; render_mesh shows faults; "
               "explain_rule explains a rule. Relative paths begin at the first root."
@@ -169,80 +149,62 @@ static void write_abilities(cli_json *json, const mcp_server *server) {
 
 static void answer_initialize(const mcp_server *server, const char *id, cli_value params) {
     const char *asked = cli_string(cli_get(params, "protocolVersion")), *chosen = versions[1];
-    cli_memory_stream stream;
-    cli_json json;
     for (size_t i = 1; i < CLI_COUNT(versions); ++i)
         if (asked && strcmp(asked, versions[i]) == 0) chosen = versions[i];
-    begin_answer(&stream, &json, id, 0);
+    cli_json json = begin_answer(id, 0);
     cli_json_string(&json, "protocolVersion", chosen);
     write_server(&json, "serverInfo");
     write_abilities(&json, server);
-    end_answer(&stream, &json);
+    end_answer(&json);
 }
 
 static void answer_discover(const mcp_server *server, const char *id) {
-    cli_memory_stream stream;
-    cli_json json;
-    begin_answer(&stream, &json, id, 1);
-    cli_json_open(&json, "supportedVersions", '[');
-    cli_json_string(&json, NULL, versions[0]);
-    cli_json_close(&json, ']');
+    cli_json json = begin_answer(id, 1);
+    cli_json_print(&json, "supportedVersions: [%s]", versions[0]);
     write_abilities(&json, server);
-    write_cache_hint(&json, 1);
-    cli_json_open(&json, "_meta", '{');
+    cli_json_print(&json, "ttlMs: 3600000, cacheScope: \"public\", _meta: {");
     write_server(&json, "io.modelcontextprotocol/serverInfo");
     cli_json_close(&json, '}');
-    end_answer(&stream, &json);
+    end_answer(&json);
 }
 
 static void answer_empty(const char *id) {
-    cli_memory_stream stream;
-    cli_json json;
-    begin_answer(&stream, &json, id, 0);
-    end_answer(&stream, &json);
+    cli_json json = begin_answer(id, 0);
+    end_answer(&json);
 }
 
 static void answer_tools(const mcp_server *server, const char *id, int modern) {
-    cli_memory_stream stream;
-    cli_json json;
-    begin_answer(&stream, &json, id, modern);
+    cli_json json = begin_answer(id, modern);
     mcp_tools_list(&json, server->read_only);
-    write_cache_hint(&json, modern);
-    end_answer(&stream, &json);
+    end_constant(&json, modern);
 }
 
-static const char rule_uri[] = "norma://rules/";
+#define RULE_URI "norma://rules/"
+
+static void write_resource(cli_json *json, const norma_rule *rule) {
+    char uri[sizeof RULE_URI + 8];
+    snprintf(uri, sizeof uri, RULE_URI "%s", rule->id);
+    cli_json_print(json, "{uri: %s", uri);
+}
 
 static void answer_resources(const char *id, int modern) {
-    cli_memory_stream stream;
-    cli_json json;
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    begin_answer(&stream, &json, id, modern);
+    cli_json json = begin_answer(id, modern);
     cli_json_open(&json, "resources", '[');
     for (size_t i = 0; i < count; ++i) {
-        char uri[sizeof rule_uri + 8];
-        snprintf(uri, sizeof uri, "%s%s", rule_uri, rules[i].id);
-        cli_json_open(&json, NULL, '{');
-        cli_json_string(&json, "uri", uri);
-        cli_json_string(&json, "name", rules[i].id);
-        cli_json_string(&json, "title", rules[i].name);
-        cli_json_string(&json, "mimeType", "text/plain");
-        cli_json_close(&json, '}');
+        write_resource(&json, &rules[i]);
+        cli_json_print(
+            &json, "name: %s, title: %s, mimeType: \"text/plain\"}", rules[i].id, rules[i].name);
     }
     cli_json_close(&json, ']');
-    write_cache_hint(&json, modern);
-    end_answer(&stream, &json);
+    end_constant(&json, modern);
 }
 
 static void answer_templates(const char *id, int modern) {
-    cli_memory_stream stream;
-    cli_json json;
-    begin_answer(&stream, &json, id, modern);
-    cli_json_open(&json, "resourceTemplates", '[');
-    cli_json_close(&json, ']');
-    write_cache_hint(&json, modern);
-    end_answer(&stream, &json);
+    cli_json json = begin_answer(id, modern);
+    cli_json_print(&json, "resourceTemplates: []");
+    end_constant(&json, modern);
 }
 
 /* ---- calls */
@@ -256,9 +218,8 @@ static void free_call(waiting_call *call) {
 }
 
 static const norma_rule *mcp_rule_of(const char *uri) {
-    return uri && strncmp(uri, rule_uri, sizeof rule_uri - 1) == 0
-               ? cli_find_rule(uri + sizeof rule_uri - 1)
-               : NULL;
+    const size_t length = strlen(RULE_URI);
+    return uri && strncmp(uri, RULE_URI, length) == 0 ? cli_find_rule(uri + length) : NULL;
 }
 
 static char *copy_of(const char *text) {
@@ -275,8 +236,7 @@ static void queue_resource(mcp_server *server, const char *id, cli_value params,
     const norma_rule *rule = mcp_rule_of(cli_string(cli_get(params, "uri")));
     if (!rule) {
         send_error(id, modern ? INVALID_PARAMS : RESOURCE_NOT_FOUND,
-            "no such resource; expected norma://rules/ and a rule, as resources/list has them",
-            NULL);
+            "no such resource; expected " RULE_URI " and a rule, as resources/list has them");
         return;
     }
     waiting_call call = {.id = copy_of(id), .modern = modern, .rule = rule};
@@ -284,11 +244,9 @@ static void queue_resource(mcp_server *server, const char *id, cli_value params,
 }
 
 static void refuse_call(const char *id, const char *why, int modern) {
-    cli_memory_stream stream;
-    cli_json json;
-    begin_answer(&stream, &json, id, modern);
+    cli_json json = begin_answer(id, modern);
     mcp_write_refusal(&json, why);
-    end_answer(&stream, &json);
+    end_answer(&json);
 }
 
 /* Takes over the message, if it keeps it: then *message is NULL. */
@@ -300,8 +258,7 @@ static void queue_tool(
         send_error(id, INVALID_PARAMS,
             name && mcp_tool_find(name, 0)
                 ? "this tool writes files, and the server was started with --read-only"
-                : "no such tool; tools/list has their names",
-            NULL);
+                : "no such tool; tools/list has their names");
         return;
     }
     const waiting_call call = {.id = copy_of(id),
@@ -323,7 +280,9 @@ static void read_captured(captured *from) {
         from->bytes = grown;
         from->room = room;
     }
-    const ssize_t got = read(from->descriptor, from->bytes + from->size, from->room - from->size);
+    const ssize_t got =
+        read(from->descriptor, from->bytes + from->size, from->room - from->size - 1);
+    from->bytes[from->size + (got > 0 ? (size_t)got : 0)] = '\0';
     if (got < 0 && errno == EINTR) return;
     if (got <= 0) {
         close(from->descriptor);
@@ -417,16 +376,11 @@ static void send_progress(mcp_server *server) {
     }
     if (last <= server->told_progress || server->cancelled || !server->call.progress_token) return;
     server->told_progress = last;
-    cli_memory_stream stream;
-    cli_json json;
-    mcp_begin_message(&stream, &json);
-    cli_json_string(&json, "method", "notifications/progress");
-    cli_json_open(&json, "params", '{');
+    cli_json json = mcp_begin_message();
+    cli_json_print(&json, "method: \"notifications/progress\", params: {");
     cli_json_raw(&json, "progressToken", server->call.progress_token);
-    cli_json_number(&json, "progress", last);
-    cli_json_number(&json, "total", 1);
-    cli_json_close(&json, '}');
-    end_message(&stream, &json);
+    cli_json_print(&json, "progress: %g, total: 1}", last);
+    end_message(&json);
 }
 
 /* -1: none came. */
@@ -439,47 +393,30 @@ static int status_sent(const captured *channel) {
     return -1;
 }
 
-static void answer_resource(const mcp_server *server) {
-    cli_memory_stream stream;
-    cli_json json;
-    char uri[sizeof rule_uri + 8];
-    snprintf(uri, sizeof uri, "%s%s", rule_uri, server->call.rule->id);
-    begin_answer(&stream, &json, server->call.id, server->call.modern);
+static void answer_resource(mcp_server *server) {
+    cli_json json = begin_answer(server->call.id, server->call.modern);
     cli_json_open(&json, "contents", '[');
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "uri", uri);
-    cli_json_string(&json, "mimeType", "text/plain");
-    char *text = malloc(server->out.size + 1);
-    if (text) {
-        memcpy(text, server->out.bytes, server->out.size);
-        text[server->out.size] = '\0';
-    }
-    cli_json_string(&json, "text", text);
-    free(text);
-    cli_json_close(&json, '}');
-    cli_json_close(&json, ']');
-    write_cache_hint(&json, server->call.modern);
-    end_answer(&stream, &json);
+    write_resource(&json, server->call.rule);
+    cli_json_print(&json, "mimeType: \"text/plain\", text: %s}]", server->out.bytes);
+    end_constant(&json, server->call.modern);
 }
 
-static void answer_call(const mcp_server *server, const mcp_printed *printed) {
-    cli_memory_stream stream;
-    cli_json json;
+static void answer_call(mcp_server *server, const mcp_printed *printed) {
     if (server->call.rule && printed->status == CLI_OK) {
         answer_resource(server);
         return;
     }
-    begin_answer(&stream, &json, server->call.id, server->call.modern);
+    cli_json json = begin_answer(server->call.id, server->call.modern);
     mcp_write_result(&json, &server->call.request, printed);
-    end_answer(&stream, &json);
+    end_answer(&json);
 }
 
 static void end_call(mcp_server *server) {
     char why[CLI_WHY_ROOM];
     const int status = status_sent(&server->channel);
     const int fine = cli_worker_wait(&server->worker, 1, why);
-    const mcp_printed printed = {.out = server->out.bytes ? server->out.bytes : "",
-        .err = server->err.bytes ? server->err.bytes : "",
+    const mcp_printed printed = {.out = server->out.bytes,
+        .err = server->err.bytes,
         .out_size = server->out.size,
         .err_size = server->err.size,
         .status = status,
@@ -537,18 +474,10 @@ static int is_modern(const char *id, cli_value params, int *refused) {
     const char *asked = cli_string(version);
     *refused = version.in && (!asked || strcmp(asked, versions[0]) != 0);
     if (!*refused) return version.in != NULL;
-    cli_memory_stream data;
-    if (!cli_memory_open(&data)) exit(cli_out_of_memory());
-    cli_json json = {.out = data.out};
-    cli_json_open(&json, NULL, '{');
-    cli_json_open(&json, "supported", '[');
-    cli_json_string(&json, NULL, versions[0]);
-    cli_json_close(&json, ']');
-    cli_json_string(&json, "requested", asked ? asked : "");
-    cli_json_close(&json, '}');
-    if (!cli_memory_close(&data)) exit(cli_out_of_memory());
-    send_error(id, UNSUPPORTED_VERSION, "unsupported protocol version", data.text);
-    free(data.text);
+    cli_json json = begin_error(id, UNSUPPORTED_VERSION, "unsupported protocol version");
+    cli_json_print(
+        &json, "data: {supported: [%s], requested: %s}", versions[0], asked ? asked : "");
+    end_answer(&json);
     return 1;
 }
 
@@ -575,7 +504,7 @@ static void answer_request(
     else if (strcmp(method, "resources/read") == 0)
         queue_resource(server, id, params, modern);
     else
-        send_error(id, METHOD_NOT_FOUND, "no such method", NULL);
+        send_error(id, METHOD_NOT_FOUND, "no such method");
 }
 
 static int is_id(cli_value id) {
@@ -588,7 +517,7 @@ static void answer_line(mcp_server *server, const char *line, size_t size) {
     cli_json_fault fault;
     cli_parsed *parsed = cli_json_parse(line, size, &fault);
     if (!parsed) {
-        send_error(NULL, PARSE_ERROR, fault.expected ? fault.expected : "out of memory", NULL);
+        send_error(NULL, PARSE_ERROR, fault.expected ? fault.expected : "out of memory");
         return;
     }
     const cli_value message = cli_json_root(parsed), id = cli_get(message, "id"),
@@ -602,8 +531,7 @@ static void answer_line(mcp_server *server, const char *line, size_t size) {
         (params.in && !cli_is_object(params)))
         send_error(text, INVALID_REQUEST,
             "expected a JSON-RPC 2.0 request: an object with jsonrpc, method, and id and params "
-            "or not",
-            NULL);
+            "or not");
     else if (method && text)
         answer_request(server, text, method, &parsed);
     else if (method && strcmp(method, "notifications/cancelled") == 0)
@@ -622,7 +550,7 @@ static int is_blank_line(const char *line, size_t size) {
 
 static void take_line(mcp_server *server, const char *line, size_t size) {
     if (server->line_is_long)
-        send_error(NULL, INVALID_REQUEST, "expected a line of at most 1 MiB", NULL);
+        send_error(NULL, INVALID_REQUEST, "expected a line of at most 1 MiB");
     else if (!is_blank_line(line, size))
         answer_line(server, line, size);
     server->line_is_long = 0;
