@@ -17,12 +17,6 @@ typedef struct mcp_roots {
 const char *mcp_roots_add(mcp_roots *roots, const char *folder);
 void mcp_roots_free(mcp_roots *roots);
 
-/* The path without links of a file below a root, to be freed; NULL: refused, and *why says why.
- * Whether a file outside the roots exists is not revealed. */
-char *mcp_input_path(const mcp_roots *roots, const char *given, const char **why);
-/* The same for a file to be written: its folder exists below a root. */
-char *mcp_output_path(const mcp_roots *roots, const char *given, int overwrite, const char **why);
-
 /* ---- Tools, each of which is a subcommand. */
 
 typedef struct mcp_tool mcp_tool;
@@ -38,12 +32,13 @@ typedef struct mcp_request {
     const cli_subcommand *command;
     char *words[MCP_MOST_WORDS]; /* its command line */
     int count;
-    char *given;      /* the file that the answer is about, as it was named */
-    size_t max_bytes; /* of text, and of structured content */
+    const char *given; /* the file that the answer is about, as it was named: the message's */
+    size_t max_bytes;  /* of text, and of structured content */
+    char fault[MCP_DEFAULT_BYTES + 48]; /* what is wrong with the call */
 } mcp_request;
 
-/* Reads a tool's arguments. NULL, or what is wrong, to be freed; "" if memory ran out. */
-char *mcp_request_read(
+/* Reads a tool's arguments. 0: request->fault says what is wrong. */
+int mcp_request_read(
     mcp_request *request, const mcp_tool *tool, cli_value arguments, const mcp_roots *roots);
 void mcp_request_free(mcp_request *request);
 

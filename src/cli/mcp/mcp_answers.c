@@ -239,8 +239,7 @@ static void finish(cli_json *json, answer *a, int is_error) {
 
 void mcp_write_refusal(cli_json *json, const char *why) {
     answer a = {0};
-    if (cli_memory_open(&a.text))
-        quote_words(a.text.out, why[0] ? why : "out of memory", MCP_DEFAULT_BYTES);
+    if (cli_memory_open(&a.text)) quote_words(a.text.out, why, MCP_DEFAULT_BYTES);
     finish(json, &a, 1);
 }
 

@@ -320,15 +320,15 @@ static _Noreturn void mcp_run_in_worker(
     cli_worker_finish(&server->worker);
 }
 
-/* The command line of the call whose turn it is. NULL, or what is wrong, to be freed. */
-static char *read_call(mcp_server *server) {
+/* The command line of the call whose turn it is. 0: request.fault says what is wrong. */
+static int read_call(mcp_server *server) {
     waiting_call *call = &server->call;
     if (call->rule) {
         call->request = (mcp_request){.tool = mcp_tool_find("explain_rule", 1),
             .command = &cli_subcommand_explain,
             .max_bytes = MCP_MOST_BYTES};
         call->request.words[call->request.count++] = copy_of(call->rule->id);
-        return NULL;
+        return 1;
     }
     const cli_value params = cli_get(cli_json_root(call->message), "params");
     return mcp_request_read(
@@ -342,10 +342,8 @@ static void begin_call(mcp_server *server) {
         server->waiting, server->waiting + 1, --server->waiting_count * sizeof server->waiting[0]);
     server->cancelled = server->killed = 0;
     server->told_progress = 0;
-    char *fault = read_call(server);
-    if (fault) {
-        refuse_call(server->call.id, fault, server->call.modern);
-        free(fault);
+    if (!read_call(server)) {
+        refuse_call(server->call.id, server->call.request.fault, server->call.modern);
         free_call(&server->call);
         return;
     }

@@ -1,9 +1,12 @@
 /* mcp_tools.c: the tools: which subcommand each runs, and what its arguments become on that
  * command's line. The JSON schemas that clients see are written from the same table. */
+#define _DEFAULT_SOURCE /* realpath, lstat */
 #include "cli/mcp/mcp.h"
+#include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum argument_kind {
     ARGUMENT_END = 0,
@@ -299,35 +302,152 @@ void mcp_tools_list(cli_json *json, int read_only) {
     cli_json_close(json, ']');
 }
 
+/* ---- The folders that tools may use. A path is judged by where it leads: every link is followed
+ * first, so neither ".." nor a link leads out of a root. */
+
+static const char nothing_there[] = "no such file below the roots",
+                  memory_ran_out[] = "out of memory";
+
+const char *mcp_roots_add(mcp_roots *roots, const char *folder) {
+    struct stat found;
+    char *real = realpath(folder, NULL);
+    if (!real || stat(real, &found) || !S_ISDIR(found.st_mode)) {
+        free(real);
+        return "a folder that exists";
+    }
+    char **paths = realloc((void *)roots->paths, (roots->count + 1) * sizeof *paths);
+    if (!paths) {
+        free(real);
+        return "less, memory ran out";
+    }
+    roots->paths = paths;
+    paths[roots->count++] = real;
+    return NULL;
+}
+
+void mcp_roots_free(mcp_roots *roots) {
+    for (size_t i = 0; i < roots->count; ++i) free(roots->paths[i]);
+    free((void *)roots->paths);
+}
+
+static int mcp_is_below(const mcp_roots *roots, const char *real) {
+    for (size_t i = 0; i < roots->count; ++i) {
+        const size_t length = strlen(roots->paths[i]);
+        const int whole = strcmp(roots->paths[i], "/") == 0;
+        if (strncmp(real, roots->paths[i], length) == 0 && (whole || real[length] == '/')) return 1;
+    }
+    return 0;
+}
+
+/* Relative paths begin at the first root. A path of the tool never begins with a dash then. */
+static char *join_root(const mcp_roots *roots, const char *given) {
+    const char *root = given[0] == '/' ? "" : roots->paths[0];
+    char *joined = malloc(strlen(root) + strlen(given) + 2);
+    if (joined) sprintf(joined, "%s%s%s", root, root[0] ? "/" : "", given);
+    return joined;
+}
+
+/* As messages are to name it: below the first root, which is the working folder, without that. */
+static char *shorten(const mcp_roots *roots, char *real) {
+    const size_t length = strlen(roots->paths[0]);
+    if (!real || strncmp(real, roots->paths[0], length) != 0 || real[length] != '/') return real;
+    const char *tail = real + length + 1;
+    if (tail[0] == '-') memcpy(real + length - 1, "./", 2), tail -= 2; /* not an option */
+    memmove(real, tail, strlen(tail) + 1);
+    return real;
+}
+
+/* The path without links of a file below a root, to be freed; NULL: refused, and *why says why.
+ * Whether a file outside the roots exists is not revealed. */
+static char *mcp_input_path(const mcp_roots *roots, const char *given, const char **why) {
+    struct stat found;
+    char *joined = join_root(roots, given);
+    char *real = joined && given[0] ? realpath(joined, NULL) : NULL;
+    *why = !joined || (!real && errno == ENOMEM) ? memory_ran_out : nothing_there;
+    free(joined);
+    if (real && mcp_is_below(roots, real) && stat(real, &found) == 0) {
+        if (S_ISREG(found.st_mode)) return shorten(roots, real);
+        *why = "expected a file, not a folder or a device";
+    }
+    free(real);
+    return NULL;
+}
+
+/* folder without links, and the name that stands below it. */
+static char *join_name(char *folder, const char *name) {
+    char *path = realloc(folder, strlen(folder) + strlen(name) + 2);
+    if (!path) {
+        free(folder);
+        return NULL;
+    }
+    if (strcmp(path, "/") != 0) strcat(path, "/");
+    return strcat(path, name);
+}
+
+/* The same for a file to be written: its folder exists below a root. */
+static char *mcp_output_path(
+    const mcp_roots *roots, const char *given, int overwrite, const char **why) {
+    struct stat found;
+    char *joined = join_root(roots, given), *slash = joined ? strrchr(joined, '/') : NULL;
+    const char *name = slash ? slash + 1 : "";
+    *why = !joined ? memory_ran_out : "expected the name of a file in a folder below the roots";
+    char *real = NULL;
+    if (name[0] && strcmp(name, ".") != 0 && strcmp(name, "..") != 0) {
+        if (slash == joined) {
+            real = realpath("/", NULL);
+        } else {
+            *slash = '\0';
+            real = realpath(joined, NULL);
+        }
+        if (real) real = join_name(real, name);
+    }
+    free(joined);
+    if (!real || !mcp_is_below(roots, real)) {
+        free(real);
+        return NULL;
+    }
+    if (lstat(real, &found)) return shorten(roots, real);
+    if (!overwrite)
+        *why = "the file exists; choose another name, or set overwrite";
+    else if (S_ISREG(found.st_mode)) /* a link could lead out of the roots */
+        return shorten(roots, real);
+    else
+        *why = "exists and is not a plain file";
+    free(real);
+    return NULL;
+}
+
 /* ---- reading a call */
 
-/* A text in memory of its own; "" that must not be freed does not occur: an empty one is made. */
-CLI_FORMAT(1, 2) static char *make_text(const char *format, ...) {
+/* Says what is wrong with it. */
+CLI_FORMAT(2, 3) static int refuse_request(mcp_request *request, const char *format, ...) {
     va_list list;
-    cli_memory_stream text;
-    if (!cli_memory_open(&text)) return NULL;
     va_start(list, format);
-    vfprintf(text.out, format, list);
+    vsnprintf(request->fault, sizeof request->fault, format, list);
     va_end(list);
-    (void)cli_memory_close(&text);
-    return text.text;
+    return 0;
 }
 
-static char *wrong(const tool_argument *argument, const char *expected) {
-    char *words = make_text("%s: expected %s", argument->name, expected);
-    return words ? words : calloc(1, 1);
+static int wrong(mcp_request *request, const tool_argument *argument, const char *expected) {
+    return refuse_request(request, "%s: expected %s", argument->name, expected);
 }
 
-static char *no_memory(void) { return calloc(1, 1); }
-
-/* Takes over word. */
-static char *mcp_add_word(mcp_request *request, char *word) {
-    if (!word || request->count == MCP_MOST_WORDS) {
-        free(word);
-        return no_memory();
-    }
+/* A word of its command line: before and after it. */
+static int mcp_add_word(mcp_request *request, const char *before, const char *after) {
+    const size_t size = strlen(before) + strlen(after) + 1;
+    char *word = request->count < MCP_MOST_WORDS ? malloc(size) : NULL;
+    if (!word) return refuse_request(request, "%s", memory_ran_out);
+    snprintf(word, size, "%s%s", before, after);
     request->words[request->count++] = word;
-    return NULL;
+    return 1;
+}
+
+/* As its option's value. */
+static int mcp_add_value(mcp_request *request, const tool_argument *argument, const char *value) {
+    char option[40];
+    snprintf(option, sizeof option, "%s%s", argument->option ? argument->option : "",
+        argument->option && argument->option[0] ? "=" : "");
+    return mcp_add_word(request, option, value);
 }
 
 static int is_choice(const char *choices, const char *word) {
@@ -340,96 +460,78 @@ static int is_choice(const char *choices, const char *word) {
     return 0;
 }
 
-static char *mcp_read_number(
-    const tool_argument *argument, cli_value value, char text[32], size_t *bytes) {
+static int mcp_read_number(
+    mcp_request *request, const tool_argument *argument, cli_value value, double *number) {
+    return (cli_number_of(value, number) && *number >= argument->least &&
+               *number <= argument->most) ||
+           refuse_request(request, "%s: expected a number from %.10g to %.10g", argument->name,
+               argument->least, argument->most);
+}
+
+static int mcp_add_number(mcp_request *request, const tool_argument *argument, cli_value value) {
     double number;
-    if (!cli_number_of(value, &number) || !(number >= argument->least && number <= argument->most))
-        return make_text("%s: expected a number from %.10g to %.10g", argument->name,
-            argument->least, argument->most);
-    if (bytes) *bytes = (size_t)number;
+    char text[32], both[65];
+    if (!mcp_read_number(request, argument, value, &number)) return 0;
     cli_shortest(text, number);
-    return NULL;
+    snprintf(both, sizeof both, "%sx%s", text, text);
+    return mcp_add_value(request, argument, strcmp(argument->option, "--size") == 0 ? both : text);
 }
 
-static char *mcp_add_number(mcp_request *request, const tool_argument *argument, cli_value value) {
-    char text[32];
-    char *fault = mcp_read_number(argument, value, text, NULL);
-    if (fault) return fault;
-    const int is_size = strcmp(argument->option, "--size") == 0;
-    return mcp_add_word(request, is_size ? make_text("--size=%sx%s", text, text)
-                                         : make_text("%s=%s", argument->option, text));
-}
-
-static char *mcp_add_numbers(mcp_request *request, const tool_argument *argument, cli_value value) {
+static int mcp_add_numbers(mcp_request *request, const tool_argument *argument, cli_value value) {
     char list[16 * 33 + 1] = "", text[32];
     size_t count = 0;
+    double number;
     for (cli_value v = cli_is_array(value) ? cli_first(value) : (cli_value){0}; v.in;
          v = cli_next(v)) {
-        char *fault = count < argument->count ? mcp_read_number(argument, v, text, NULL) : NULL;
-        if (fault) return fault;
-        if (count++ < argument->count) {
-            if (count > 1) strcat(list, ",");
-            strcat(list, text);
-        }
+        if (count++ >= argument->count) continue;
+        if (!mcp_read_number(request, argument, v, &number)) return 0;
+        if (count > 1) strcat(list, ",");
+        strcat(list, cli_shortest(text, number));
     }
-    if (count != argument->count)
-        return make_text("%s: expected a list of %zu numbers", argument->name, argument->count);
-    return mcp_add_word(request, make_text("%s=%s", argument->option, list));
+    return count == argument->count ? mcp_add_value(request, argument, list)
+                                    : refuse_request(request, "%s: expected a list of %zu numbers",
+                                          argument->name, argument->count);
 }
 
-static char *add_text(mcp_request *request, const tool_argument *argument, cli_value value) {
+static int add_text(mcp_request *request, const tool_argument *argument, cli_value value) {
     const char *text = cli_string(value);
-    if (!text || !text[0]) return wrong(argument, "a text");
+    if (!text || !text[0]) return wrong(request, argument, "a text");
     if (argument->choices && !is_choice(argument->choices, text))
-        return make_text("%s: expected one of %s", argument->name, argument->choices);
-    if (argument->option[0])
-        return mcp_add_word(request, make_text("%s=%s", argument->option, text));
-    if (text[0] == '-') return wrong(argument, argument->about);
-    return mcp_add_word(request, make_text("%s", text));
+        return refuse_request(request, "%s: expected one of %s", argument->name, argument->choices);
+    if (!argument->option[0] && text[0] == '-') return wrong(request, argument, argument->about);
+    return mcp_add_value(request, argument, text);
 }
 
-static char *add_flag(mcp_request *request, const tool_argument *argument, cli_value value) {
+static int add_flag(mcp_request *request, const tool_argument *argument, cli_value value) {
     if (value.in && !cli_is_true(value) && !cli_is_false(value))
-        return wrong(argument, "true or false");
+        return wrong(request, argument, "true or false");
     const char *option = cli_is_true(value) ? argument->option : argument->choices;
-    return option ? mcp_add_word(request, make_text("%s", option)) : NULL;
+    return !option || mcp_add_word(request, option, "");
 }
 
-static char *refuse_path(const tool_argument *argument, const char *why) {
-    return make_text("%s: %s", argument->name, why);
-}
-
-static char *add_input(
-    mcp_request *request, const tool_argument *argument, cli_value value, const mcp_roots *roots) {
-    const char *given = cli_string(value), *why;
-    if (!given) return wrong(argument, "the path of a file");
-    char *path = mcp_input_path(roots, given, &why);
-    if (!path) return refuse_path(argument, why);
-    if (!request->given) request->given = make_text("%s", given);
-    return mcp_add_word(request, path);
-}
-
-static char *add_output(mcp_request *request, const tool_argument *argument, cli_value value,
+/* What the answer is about is the output, where there is one, else the first input. */
+static int mcp_add_path(mcp_request *request, const tool_argument *argument, cli_value value,
     cli_value arguments, const mcp_roots *roots) {
     const char *given = cli_string(value), *why;
-    if (!given) return wrong(argument, "the path of a file");
-    char *path = mcp_output_path(roots, given, cli_is_true(cli_get(arguments, "overwrite")), &why);
-    if (!path) return refuse_path(argument, why);
-    char *word = make_text("%s=%s", argument->option, path);
+    const int is_output = argument->kind == ARGUMENT_OUTPUT;
+    if (!given) return wrong(request, argument, "the path of a file");
+    char *path = is_output ? mcp_output_path(
+                                 roots, given, cli_is_true(cli_get(arguments, "overwrite")), &why)
+                           : mcp_input_path(roots, given, &why);
+    if (!path) return refuse_request(request, "%s: %s", argument->name, why);
+    const int added = mcp_add_value(request, argument, path);
     free(path);
-    free(request->given);
-    request->given = make_text("%s", given);
-    return mcp_add_word(request, word);
+    if (is_output || !request->given) request->given = given;
+    return added;
 }
 
-static char *add_argument(mcp_request *request, const tool_argument *argument, cli_value value,
+static int add_argument(mcp_request *request, const tool_argument *argument, cli_value value,
     cli_value arguments, const mcp_roots *roots) {
-    char text[32];
+    double bytes;
     switch (argument->kind) {
     case ARGUMENT_INPUT:
-        return add_input(request, argument, value, roots);
     case ARGUMENT_OUTPUT:
-        return add_output(request, argument, value, arguments, roots);
+        return mcp_add_path(request, argument, value, arguments, roots);
     case ARGUMENT_NUMBER:
         return mcp_add_number(request, argument, value);
     case ARGUMENT_NUMBERS:
@@ -437,15 +539,12 @@ static char *add_argument(mcp_request *request, const tool_argument *argument, c
     case ARGUMENT_TEXT:
         return add_text(request, argument, value);
     case ARGUMENT_BYTES:
-        return mcp_read_number(argument, value, text, &request->max_bytes);
-    case ARGUMENT_IN_PLACE:
-    case ARGUMENT_OVERWRITE:
-    case ARGUMENT_FLAG:
+        if (!mcp_read_number(request, argument, value, &bytes)) return 0;
+        request->max_bytes = (size_t)bytes;
+        return 1;
+    default:
         return add_flag(request, argument, value);
-    case ARGUMENT_END:
-        break;
     }
-    return no_memory();
 }
 
 static const tool_argument *find_argument(const mcp_tool *tool, const char *name) {
@@ -455,48 +554,47 @@ static const tool_argument *find_argument(const mcp_tool *tool, const char *name
 }
 
 /* In the order of the call: of a transform's options the first acts first. */
-static char *mcp_add_given(mcp_request *request, cli_value arguments, const mcp_roots *roots) {
-    char *fault = NULL;
+static int mcp_add_given(mcp_request *request, cli_value arguments, const mcp_roots *roots) {
+    int fine = 1;
     for (cli_value v = cli_is_object(arguments) ? cli_first(arguments) : (cli_value){0};
-         v.in && !fault; v = cli_next(v)) {
+         v.in && fine; v = cli_next(v)) {
         const tool_argument *argument = find_argument(request->tool, cli_key(v));
-        fault = argument ? add_argument(request, argument, v, arguments, roots)
-                         : make_text("%s: no such argument", cli_key(v));
+        fine = argument ? add_argument(request, argument, v, arguments, roots)
+                        : refuse_request(request, "%s: no such argument", cli_key(v));
     }
-    return fault;
+    return fine;
 }
 
-static char *mcp_add_missing(mcp_request *request, cli_value arguments, const mcp_roots *roots) {
-    char *fault = NULL;
-    for (const tool_argument *a = request->tool->arguments; a->kind && !fault; ++a) {
+static int mcp_add_missing(mcp_request *request, cli_value arguments) {
+    int fine = 1;
+    for (const tool_argument *a = request->tool->arguments; a->kind && fine; ++a) {
         const int given = cli_get(arguments, a->name).in != NULL;
         if (!given && a->required)
-            fault = make_text("%s: missing; expected: %s", a->name, a->about);
+            fine = refuse_request(request, "%s: missing; expected: %s", a->name, a->about);
         else if (!given && a->kind == ARGUMENT_FLAG)
-            fault = add_argument(request, a, (cli_value){0}, arguments, roots);
+            fine = add_flag(request, a, (cli_value){0});
     }
-    return fault;
+    return fine;
 }
 
-char *mcp_request_read(
+int mcp_request_read(
     mcp_request *request, const mcp_tool *tool, cli_value arguments, const mcp_roots *roots) {
     *request =
         (mcp_request){.tool = tool, .command = tool->command, .max_bytes = MCP_DEFAULT_BYTES};
-    char *fault = NULL;
+    int fine = 1;
     if (arguments.in && !cli_is_object(arguments))
-        return make_text("arguments: expected an object");
-    for (size_t i = 0; i < CLI_COUNT(tool->words) && tool->words[i] && !fault; ++i)
-        fault = mcp_add_word(request, make_text("%s", tool->words[i]));
-    if (!fault) fault = mcp_add_given(request, arguments, roots);
-    if (!fault) fault = mcp_add_missing(request, arguments, roots);
+        return refuse_request(request, "arguments: expected an object");
+    for (size_t i = 0; i < CLI_COUNT(tool->words) && tool->words[i] && fine; ++i)
+        fine = mcp_add_word(request, tool->words[i], "");
+    fine = fine && mcp_add_given(request, arguments, roots) && mcp_add_missing(request, arguments);
     const int in_place = cli_is_true(cli_get(arguments, "in_place"));
-    if (!fault && tool->writes && in_place == (cli_get(arguments, "output").in != NULL))
-        fault = make_text("output: expected either a file to write, or in_place: true");
-    return fault;
+    if (fine && tool->writes && in_place == (cli_get(arguments, "output").in != NULL))
+        return refuse_request(
+            request, "output: expected either a file to write, or in_place: true");
+    return fine;
 }
 
 void mcp_request_free(mcp_request *request) {
     for (int i = 0; i < request->count; ++i) free(request->words[i]);
-    free(request->given);
     *request = (mcp_request){0};
 }
