@@ -47,8 +47,10 @@ typedef enum check_config_trust {
 /* named: --config FILE, NULL: found upward from each file. */
 check_configs *check_configs_new(const char *named, check_config_trust trust, cli_guard *guard);
 void check_configs_free(check_configs *configs);
-/* The configuration of a file. NULL: one that cannot be read, which has been said. */
-const check_config *check_config_of(check_configs *configs, const char *path);
+/* Those of all files, before the first is checked. A status: one that cannot be read, or memory; it
+ * has been said. */
+int check_configs_read(check_configs *configs, const cli_inputs *inputs);
+const check_config *check_config_of(const check_configs *configs, size_t file);
 
 /* ---- names that overrides go by (overrides.c) */
 
@@ -72,7 +74,7 @@ void check_forget_places(check_names *names);
 /* Marks the patterns that match a name in the file, or its own. */
 void check_mark_names(const check_names *names);
 /* Warns of patterns that matched nothing in the files that were checked. */
-void check_warn_unmatched(check_configs *configs, const cli_inputs *inputs);
+void check_warn_unmatched(const check_configs *configs, const cli_inputs *inputs);
 
 /* ---- what is asked (check_command.c) */
 
@@ -94,6 +96,7 @@ typedef struct check_settings {
     uint32_t threads;
     norma_file_format input_format;
     struct check_baseline *baseline; /* NULL: none */
+    FILE *known;                     /* where findings of a new baseline go (check_baseline_note) */
     int fix;                         /* CHECK_FIX_... */
     int dry_run;
     int open_by_rays;       /* of --fix-unsafe */
@@ -174,6 +177,7 @@ typedef struct check_totals {
     int status;                   /* worst of its files */
     int unreported;               /* a file is not in the report */
     int incomplete;               /* something could not be read or written that has no entry */
+    int forgot;                   /* findings are missing in a new baseline: out of memory */
     size_t left_out[CHECK_RULES]; /* results of SARIF above its limit */
     check_list *list;             /* of forms that put the worst files first */
     check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
@@ -303,28 +307,21 @@ int check_sort_inputs(cli_inputs *inputs); /* by path, as bytes; a status */
 
 /* ---- all of them (check_all.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */
-int check_all_files(const check_settings *settings, check_configs *configs,
+int check_all_files(const check_settings *settings, const check_configs *configs,
     const check_format *format, FILE *out, check_totals *totals);
 
 /* ---- old findings (known.c) */
 
 typedef struct check_baseline check_baseline;
 check_baseline *check_baseline_read(const char *path); /* NULL: said already */
-check_baseline *check_baseline_new(
-    const char *path); /* to be filled by check_baseline_add and written */
+check_baseline *check_baseline_new(const char *path);  /* to be filled and written */
 int check_baseline_knows(const check_baseline *baseline, const char *path,
     const norma_finding *finding, norma_severity severity, int *knows); /* 0: out of memory */
-int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
-    norma_severity severity); /* 0: out of memory */
-/* The findings of one file, for a new baseline; NULL: out of memory. */
-check_baseline *check_baseline_part(const check_baseline *whole);
-int check_baseline_is_cut(const check_baseline *baseline); /* findings are missing: out of memory */
-/* Adds those of a part, which may be NULL; forgot: some are missing there. */
-void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot);
-size_t check_baseline_count(const check_baseline *baseline);
-/* Through the channel of a worker. 0: it has ended. */
-void check_baseline_send(const check_baseline *part, const struct cli_worker *worker);
-int check_baseline_receive(check_baseline *whole, size_t count, const struct cli_worker *worker);
+/* For a new one: writes a finding to what is known of its file. 0: out of memory. */
+int check_baseline_note(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity, FILE *known);
+/* Adds what was written so of a file; forgot: some findings are missing there. */
+void check_baseline_add(check_baseline *baseline, const char *known, size_t size, int forgot);
 int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a status */
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);

@@ -4,7 +4,6 @@
 #include "cli/files/files.h"
 #include "cli/process/process.h"
 #include "cli/text/text.h"
-#include <errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -122,11 +121,8 @@ typedef struct check_collector {
 /* What one file gave. */
 typedef struct checked_file {
     size_t file;
-    char *bytes; /* its part of the report */
-    size_t size;
+    cli_memory_stream report, known; /* its part of each; known: of a new baseline */
     check_totals totals;
-    check_baseline *baseline; /* its findings, for a new one; NULL: none is written */
-    int forgot;               /* findings are missing there: memory was out */
 } checked_file;
 
 static void add_totals(check_totals *sum, const check_totals *more) {
@@ -147,6 +143,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
         }
     sum->status = cli_worse(sum->status, more->status);
     sum->incomplete |= more->incomplete;
+    sum->forgot |= more->forgot;
     sum->unreported |= more->unreported;
 }
 
@@ -195,21 +192,22 @@ static int report_percent(check_collector *all) {
     return cli_progress_report(&all->progress, fmin(all->worked / all->work, 1));
 }
 
-/* Takes over the bytes and the baseline. */
+/* Takes over the bytes. */
 static void collect_checked(check_collector *all, const checked_file *checked) {
     file_part *part = &all->parts[checked->file % WINDOW];
     part->entry = (check_entry){.path = all->inputs->paths[checked->file],
         .errors = checked->totals.errors,
         .warnings = checked->totals.warnings,
         .is_clean = checked->totals.clean > 0,
-        .text = checked->bytes,
-        .size = checked->size};
+        .text = checked->report.text,
+        .size = checked->report.size};
     part->done = 1;
     note_fraction(all, checked->file, 1);
     add_totals(&all->totals, &checked->totals);
     if (all->settings->baseline)
-        check_baseline_join(all->settings->baseline, checked->baseline, checked->forgot);
-    check_baseline_free(checked->baseline);
+        check_baseline_add(all->settings->baseline, checked->known.text, checked->known.size,
+            checked->totals.forgot);
+    free(checked->known.text);
     tell_what_is_next(all);
 }
 
@@ -217,7 +215,7 @@ static void collect_checked(check_collector *all, const checked_file *checked) {
 
 typedef struct check_pool {
     check_settings settings;
-    check_configs *configs;
+    const check_configs *configs;
     check_collector *all;     /* of this process */
     const cli_worker *worker; /* NULL: not in a worker; parts go to all */
     size_t sources_sent;
@@ -225,14 +223,13 @@ typedef struct check_pool {
     pthread_cond_t moved;    /* the output went on */
     size_t next, told, last; /* files: to be taken, already told, not to be taken any more */
     unsigned char done[WINDOW];
-    int status;
 } check_pool;
 
-enum { MESSAGE_BEGUN, MESSAGE_FRACTION, MESSAGE_DONE, MESSAGE_STATUS };
+enum { MESSAGE_BEGUN, MESSAGE_FRACTION, MESSAGE_DONE };
 
 typedef struct check_message {
-    int kind, status, forgot;
-    size_t file, size, known;
+    int kind;
+    size_t file, size, known; /* bytes of its parts */
     double fraction;
 } check_message;
 
@@ -243,17 +240,15 @@ static void send_message(const check_pool *pool, const check_message *message) {
 static void send_checked(check_pool *pool, const checked_file *checked) {
     const check_message message = {.kind = MESSAGE_DONE,
         .file = checked->file,
-        .size = checked->size,
-        .forgot =
-            checked->forgot || (checked->baseline && check_baseline_is_cut(checked->baseline)),
-        .known = checked->baseline ? check_baseline_count(checked->baseline) : 0};
+        .size = checked->report.size,
+        .known = checked->known.size};
     send_message(pool, &message);
     cli_worker_send(pool->worker, &checked->totals, sizeof checked->totals);
-    cli_worker_send(pool->worker, checked->bytes, checked->size);
-    if (checked->baseline) check_baseline_send(checked->baseline, pool->worker);
+    cli_worker_send(pool->worker, checked->report.text, message.size);
+    cli_worker_send(pool->worker, checked->known.text, message.known);
     cli_guard_send(pool->settings.files->guard, &pool->sources_sent, pool->worker);
-    free(checked->bytes);
-    check_baseline_free(checked->baseline);
+    free(checked->report.text);
+    free(checked->known.text);
 }
 
 typedef struct file_progress {
@@ -285,24 +280,19 @@ static int report_progress(void *user, double fraction) {
     return stop;
 }
 
-static const check_config *take(check_pool *pool, size_t *file) {
-    const check_config *config = NULL;
+/* 0: none is left. */
+static int take(check_pool *pool, size_t *file) {
     pthread_mutex_lock(&pool->lock);
     while (pool->next < pool->last && pool->next - pool->told >= WINDOW)
         pthread_cond_wait(&pool->moved, &pool->lock);
-    if (pool->next < pool->last) {
+    const int is_left = pool->next < pool->last;
+    if (is_left) {
         *file = pool->next++;
-        errno = 0;
-        config = check_config_of(pool->configs, pool->all->inputs->paths[*file]);
         const check_message begun = {.kind = MESSAGE_BEGUN, .file = *file};
-        if (config && pool->worker) send_message(pool, &begun);
-        if (!config) { /* nothing that is checked by it could be trusted */
-            pool->status = cli_worse(pool->status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
-            pool->next = pool->last;
-        }
+        if (pool->worker) send_message(pool, &begun);
     }
     pthread_mutex_unlock(&pool->lock);
-    return config;
+    return is_left;
 }
 
 static void deliver(check_pool *pool, const checked_file *checked) {
@@ -317,37 +307,36 @@ static void deliver(check_pool *pool, const checked_file *checked) {
     pthread_mutex_unlock(&pool->lock);
 }
 
-/* Its part of the report, in memory. */
+/* Its part of the report, in memory, and what is known of it for a new baseline. */
 static checked_file check_into_memory(const check_settings *asked, const check_collector *all,
     const check_config *config, size_t file) {
     checked_file checked = {.file = file};
     check_settings settings = *asked;
-    cli_memory_stream gathered;
-    if (settings.baseline && check_baseline_is_new(settings.baseline))
-        settings.baseline = checked.baseline = check_baseline_part(settings.baseline);
-    checked.forgot = asked->baseline && !settings.baseline;
-    if (cli_memory_open(&gathered))
-        check_one_file(&settings, config, all->format, file, gathered.out, &checked.totals);
-    if (cli_memory_close(&gathered)) {
-        checked.bytes = gathered.text;
-        checked.size = gathered.size;
-    } else { /* half a report is worse than none */
+    const int is_new = asked->baseline && check_baseline_is_new(asked->baseline),
+              fine = !is_new || cli_memory_open(&checked.known);
+    settings.known = checked.known.out;
+    if (fine && cli_memory_open(&checked.report))
+        check_one_file(&settings, config, all->format, file, checked.report.out, &checked.totals);
+    checked.totals.forgot |= is_new && !cli_memory_close(&checked.known);
+    if (!cli_memory_close(&checked.report)) { /* half a report is worse than none */
+        checked.report.size = 0;
         checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
         checked.totals.incomplete = checked.totals.unreported = 1;
         cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->paths[file]));
     }
+    if (!checked.known.text) checked.known.size = 0;
     return checked;
 }
 
 static void *work(void *user) {
     check_pool *pool = user;
-    size_t file;
-    for (const check_config *config; (config = take(pool, &file)) != NULL;) {
+    for (size_t file; take(pool, &file);) {
         file_progress progress = {.pool = pool, .file = file};
         check_settings settings = pool->settings;
         settings.progress = report_progress;
         settings.progress_user = &progress;
-        const checked_file checked = check_into_memory(&settings, pool->all, config, file);
+        const checked_file checked =
+            check_into_memory(&settings, pool->all, check_config_of(pool->configs, file), file);
         deliver(pool, &checked);
     }
     pthread_mutex_lock(&pool->lock);
@@ -363,9 +352,9 @@ static size_t worker_count(uint32_t threads, size_t files) {
     return count > files ? files : count;
 }
 
-/* From first up to last, in this process. A status beside those of the files. */
-static int check_range(check_collector *all, check_configs *configs, const cli_worker *worker,
-    size_t first, size_t last) {
+/* From first up to last, in this process. */
+static void check_range(check_collector *all, const check_configs *configs,
+    const cli_worker *worker, size_t first, size_t last) {
     pthread_t threads[MOST_WORKERS];
     const size_t workers = worker_count(all->settings->threads, last - first);
     size_t started = 0;
@@ -387,14 +376,11 @@ static int check_range(check_collector *all, check_configs *configs, const cli_w
     for (size_t i = 0; i < started; ++i) pthread_join(threads[i], NULL);
     pthread_cond_destroy(&pool.moved);
     pthread_mutex_destroy(&pool.lock);
-    return pool.status;
 }
 
-static _Noreturn void check_in_worker(check_collector *all, check_configs *configs,
+static _Noreturn void check_in_worker(check_collector *all, const check_configs *configs,
     const cli_worker *worker, size_t first, size_t last) {
-    const check_message ended = {
-        .kind = MESSAGE_STATUS, .status = check_range(all, configs, worker, first, last)};
-    cli_worker_send(worker, &ended, sizeof ended);
+    check_range(all, configs, worker, first, last);
     cli_worker_finish(worker);
 }
 
@@ -403,44 +389,39 @@ static _Noreturn void check_in_worker(check_collector *all, check_configs *confi
 static int receive_checked(
     check_collector *all, const cli_worker *worker, const check_message *message) {
     checked_file checked = {.file = message->file,
-        .size = message->size,
-        .bytes = malloc(message->size + 1),
-        .forgot = message->forgot};
-    if (message->known) checked.baseline = check_baseline_part(all->settings->baseline);
-    int fine = checked.bytes && (!message->known || checked.baseline) &&
-               cli_worker_receive(worker, &checked.totals, sizeof checked.totals) &&
-               cli_worker_receive(worker, checked.bytes, checked.size) &&
-               check_baseline_receive(checked.baseline, message->known, worker) &&
-               cli_guard_receive(all->settings->files->guard, worker);
+        .report = {.text = malloc(message->size + 1), .size = message->size},
+        .known = {.text = malloc(message->known + 1), .size = message->known}};
+    const int fine = checked.report.text && checked.known.text &&
+                     cli_worker_receive(worker, &checked.totals, sizeof checked.totals) &&
+                     cli_worker_receive(worker, checked.report.text, message->size) &&
+                     cli_worker_receive(worker, checked.known.text, message->known) &&
+                     cli_guard_receive(all->settings->files->guard, worker);
     if (fine) {
         collect_checked(all, &checked);
         return 1;
     }
-    free(checked.bytes);
-    check_baseline_free(checked.baseline);
+    free(checked.report.text);
+    free(checked.known.text);
     return 0;
 }
 
 /* Until it ends. *next: behind the last file that it began. */
-static int listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
+static void listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
     check_message message;
-    int status = CLI_OK;
     while (cli_worker_receive(worker, &message, sizeof message)) {
-        if (message.kind == MESSAGE_STATUS) status = message.status;
         if (message.kind == MESSAGE_BEGUN) *next = message.file + 1;
         if (message.kind == MESSAGE_FRACTION) note_fraction(all, message.file, message.fraction);
         if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) break;
         (void)report_percent(all);
     }
-    return status;
 }
 
 static void report_lost_check(
-    check_collector *all, check_configs *configs, size_t file, const char *why) {
+    check_collector *all, const check_configs *configs, size_t file, const char *why) {
     check_settings settings = *all->settings;
     settings.lost = why;
-    const check_config *config = check_config_of(configs, all->inputs->paths[file]);
-    const checked_file checked = check_into_memory(&settings, all, config, file);
+    const checked_file checked =
+        check_into_memory(&settings, all, check_config_of(configs, file), file);
     collect_checked(all, &checked);
 }
 
@@ -450,43 +431,46 @@ static int is_waited_for(const check_collector *all, size_t file) {
 
 /* One of the files that were being checked when a worker ended: alone, so that it is known which.
  */
-static int check_alone(check_collector *all, check_configs *configs, size_t file) {
+static void check_alone(check_collector *all, const check_configs *configs, size_t file) {
     char why[CLI_WHY_ROOM];
     cli_worker worker;
     size_t next;
     const int side = cli_worker_start(&worker);
-    if (side < 0) return check_range(all, configs, NULL, file, file + 1);
     if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
-    const int status = listen_to(all, &worker, &next);
+    if (side < 0) {
+        check_range(all, configs, NULL, file, file + 1);
+        return;
+    }
+    listen_to(all, &worker, &next);
     if (!cli_worker_wait(&worker, 1, why) && is_waited_for(all, file)) {
         cli_remove_left_by(worker.process, all->settings->files, file);
         report_lost_check(all, configs, file, why);
     }
-    return status;
 }
 
 /* What a worker that ended was about. */
-static int check_again(
-    check_collector *all, check_configs *configs, const cli_worker *worker, size_t next) {
-    int status = CLI_OK;
+static void check_again(
+    check_collector *all, const check_configs *configs, const cli_worker *worker, size_t next) {
     for (size_t file = all->told; file < next; ++file)
         if (is_waited_for(all, file)) {
             cli_remove_left_by(worker->process, all->settings->files, file);
-            status = cli_worse(status, check_alone(all, configs, file));
+            check_alone(all, configs, file);
         }
-    return status;
 }
 
-static int check_in_workers(check_collector *all, check_configs *configs) {
+/* A status beside those of the files. */
+static int check_in_workers(check_collector *all, const check_configs *configs) {
     const size_t count = all->inputs->count;
-    int status = CLI_OK;
     for (size_t next = 0; next < count;) {
         char why[CLI_WHY_ROOM];
         cli_worker worker;
         const int side = count > 1 ? cli_worker_start(&worker) : -1;
-        if (side < 0) return cli_worse(status, check_range(all, configs, NULL, next, count));
         if (side == 0) check_in_worker(all, configs, &worker, next, count);
-        status = cli_worse(status, listen_to(all, &worker, &next));
+        if (side < 0) {
+            check_range(all, configs, NULL, next, count);
+            break;
+        }
+        listen_to(all, &worker, &next);
         const int is_done = next == count && all->told == count;
         if (cli_worker_wait(&worker, !is_done, why)) break;
         if (is_done) { /* its end was no file's fault */
@@ -494,9 +478,9 @@ static int check_in_workers(check_collector *all, check_configs *configs) {
             return CLI_FILE;
         }
         if (next == all->told) ++next; /* it ended between two files: the next one is done alone */
-        status = cli_worse(status, check_again(all, configs, &worker, next));
+        check_again(all, configs, &worker, next);
     }
-    return status;
+    return CLI_OK;
 }
 
 static void write_list(check_collector *all) {
@@ -506,7 +490,7 @@ static void write_list(check_collector *all) {
     all->totals.incomplete = all->totals.unreported = 1;
 }
 
-int check_all_files(const check_settings *settings, check_configs *configs,
+int check_all_files(const check_settings *settings, const check_configs *configs,
     const check_format *format, FILE *out, check_totals *totals) {
     const cli_inputs *inputs = &settings->files->inputs;
     check_collector *all = calloc(1, sizeof *all);
@@ -531,8 +515,7 @@ int check_all_files(const check_settings *settings, check_configs *configs,
     check_results_free(all->results);
     cli_progress_hide(&all->progress);
     if (format->is_worst_first) write_list(all);
-    /* After an interruption or a bad configuration, parts may be left behind one that was never
-     * begun. */
+    /* After an interruption, parts may be left behind one that was never begun. */
     for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].entry.text);
     cli_progress_stop(&all->progress);
     all->totals.status = cli_worse(all->totals.status, status);

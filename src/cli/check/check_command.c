@@ -6,7 +6,6 @@
 #include "cli/process/process.h"
 #include "cli/text/text.h"
 #include <math.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -328,19 +327,6 @@ static int guard_before_fixing(const check_work *work) {
     return guard_baseline(work);
 }
 
-/* All of them before the first file is checked or fixed: a command that ends with a usage error has
- * done nothing. */
-static int read_configs(const check_work *work, check_configs *configs) {
-    const cli_inputs *inputs = &work->files.inputs;
-    int status = CLI_OK;
-    for (size_t i = 0; i < inputs->count && !status; ++i) {
-        errno = 0;
-        if (!check_config_of(configs, inputs->paths[i]))
-            status = errno == ENOMEM ? CLI_FILE : CLI_USAGE;
-    }
-    return status;
-}
-
 /* A report for a person, on the terminal that shows it. */
 static void choose_style(check_work *work, FILE *out) {
     const int is_file = out != stdout && out != stderr;
@@ -356,7 +342,7 @@ static int check_files(check_work *work, check_configs *configs, int found) {
     check_totals totals = {.list = &list};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
                         strcmp(work->files.output, "-") == 0;
-    int status = read_configs(work, configs);
+    int status = check_configs_read(configs, &work->files.inputs);
     if (!status) status = guard_before_fixing(work);
     if (!status)
         status = cli_output_begin(&output,

@@ -394,7 +394,8 @@ static int weigh(const file_check *check, check_item *items, size_t *count, chec
         possible = severity >= 0;
         if (!possible || severity == CHECK_SEVERITY_OFF) continue;
         if (baseline && check_baseline_is_new(baseline))
-            check_baseline_add(baseline, check->path, finding, (norma_severity)severity);
+            totals->forgot |= !check_baseline_note(
+                baseline, check->path, finding, (norma_severity)severity, check->settings->known);
         else if (baseline)
             possible = check_baseline_knows(
                 baseline, check->path, finding, (norma_severity)severity, &is_known);

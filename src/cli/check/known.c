@@ -84,20 +84,14 @@ cli_parsed *check_load_json(const char *path, const char *expected) {
  * "meshes": ["leaf*"], "materials": ["*grass*"], "nodes": ["hall*"], "ignore": ["N2"], "severity":
  * {...}}]} */
 
-typedef struct config_entry {
-    char *folder; /* where files are that it is for */
-    check_config *config;
-} config_entry;
-
 struct check_configs {
     const char *named;
     check_config_trust trust;
     cli_guard *guard;
     check_config **configs; /* each read once */
     size_t config_count;
-    config_entry *entries;
-    size_t entry_count;
-    char **strange; /* those of other users, each told once */
+    const check_config **of_files; /* of each input */
+    char **strange;                /* those of other users, each told once */
     size_t strange_count;
     check_config empty;
 };
@@ -440,38 +434,45 @@ check_configs *check_configs_new(const char *named, check_config_trust trust, cl
 void check_configs_free(check_configs *configs) {
     if (!configs) return;
     for (size_t i = 0; i < configs->config_count; ++i) free_config(configs->configs[i]);
-    for (size_t i = 0; i < configs->entry_count; ++i) free(configs->entries[i].folder);
     for (size_t i = 0; i < configs->strange_count; ++i) free(configs->strange[i]);
     free(configs->strange);
     free(configs->configs);
-    free(configs->entries);
+    free(configs->of_files);
     free(configs);
 }
 
-static const check_config *remember(check_configs *configs, char *folder, check_config *config) {
-    config_entry *grown =
-        config ? realloc(configs->entries, (configs->entry_count + 1) * sizeof *grown) : NULL;
-    if (!grown) {
-        free(folder);
-        return config;
-    }
-    configs->entries = grown;
-    configs->entries[configs->entry_count++] = (config_entry){folder, config};
-    return config;
-}
-
-const check_config *check_config_of(check_configs *configs, const char *path) {
+/* NULL: one that cannot be read, which has been said; errno shows memory. */
+static const check_config *find_config(check_configs *configs, const char *path) {
     if (configs->trust == CHECK_CONFIG_NONE) return &configs->empty;
     if (configs->named) return add_config(configs, configs->named);
     char *folder = folder_with_slash(path);
     if (!folder) return without_memory();
-    /* Files of one folder follow each other. */
-    for (size_t i = configs->entry_count; i-- > 0;)
-        if (strcmp(configs->entries[i].folder, folder) == 0) {
-            free(folder);
-            return configs->entries[i].config;
-        }
-    return remember(configs, folder, config_of_folder(configs, folder));
+    const check_config *found = config_of_folder(configs, folder);
+    free(folder);
+    return found;
+}
+
+/* Files of one folder follow each other. */
+static int is_beside(const char *path, const char *other) {
+    const size_t folder = (size_t)(cli_base_name(path) - path);
+    return folder == (size_t)(cli_base_name(other) - other) && memcmp(path, other, folder) == 0;
+}
+
+int check_configs_read(check_configs *configs, const cli_inputs *inputs) {
+    configs->of_files = calloc(inputs->count + 1, sizeof *configs->of_files);
+    if (!configs->of_files) return cli_out_of_memory();
+    for (size_t i = 0; i < inputs->count; ++i) {
+        errno = 0;
+        configs->of_files[i] = i && is_beside(inputs->paths[i], inputs->paths[i - 1])
+                                   ? configs->of_files[i - 1]
+                                   : find_config(configs, inputs->paths[i]);
+        if (!configs->of_files[i]) return errno == ENOMEM ? CLI_FILE : CLI_USAGE;
+    }
+    return CLI_OK;
+}
+
+const check_config *check_config_of(const check_configs *configs, size_t file) {
+    return configs->of_files[file];
 }
 
 /* ---- Findings of old, kept in a file, so that a repository with many can begin to check
@@ -587,61 +588,6 @@ check_baseline *check_baseline_new(const char *path) {
     return NULL;
 }
 
-check_baseline *check_baseline_part(const check_baseline *whole) {
-    return check_baseline_new(whole->path);
-}
-
-void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot) {
-    whole->incomplete |= forgot || (part && part->incomplete);
-    for (size_t i = 0; part && i < part->count; ++i) {
-        const known_finding *known = &part->known[i];
-        whole->incomplete |= !add_known(
-            whole, known->path, known->rule, known->where, known->severity, known->count);
-    }
-}
-
-int check_baseline_is_cut(const check_baseline *baseline) { return baseline->incomplete; }
-
-size_t check_baseline_count(const check_baseline *baseline) { return baseline->count; }
-
-/* ---- between processes: sizes, then what they measure */
-
-typedef struct finding_message {
-    size_t count, path, rule, where;
-    norma_severity severity;
-} finding_message;
-
-void check_baseline_send(const check_baseline *part, const cli_worker *worker) {
-    for (size_t i = 0; i < part->count; ++i) {
-        const known_finding *known = &part->known[i];
-        const finding_message message = {known->count, strlen(known->path) + 1,
-            strlen(known->rule) + 1, strlen(known->where) + 1, known->severity};
-        cli_worker_send(worker, &message, sizeof message);
-        cli_worker_send(worker, known->path, message.path);
-        cli_worker_send(worker, known->rule, message.rule);
-        cli_worker_send(worker, known->where, message.where);
-    }
-}
-
-static int receive_finding(check_baseline *whole, const cli_worker *worker) {
-    finding_message message;
-    if (!cli_worker_receive(worker, &message, sizeof message)) return 0;
-    const size_t size = message.path + message.rule + message.where;
-    char *words = malloc(size);
-    const int fine = words && cli_worker_receive(worker, words, size);
-    if (fine)
-        whole->incomplete |= !add_known(whole, words, words + message.path,
-            words + message.path + message.rule, message.severity, message.count);
-    free(words);
-    return fine;
-}
-
-int check_baseline_receive(check_baseline *whole, size_t count, const cli_worker *worker) {
-    int fine = 1;
-    for (size_t i = 0; i < count && fine; ++i) fine = receive_finding(whole, worker);
-    return fine;
-}
-
 void check_baseline_free(check_baseline *baseline) {
     if (!baseline) return;
     for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
@@ -706,14 +652,27 @@ int check_baseline_knows(const check_baseline *baseline, const char *path,
     return 1;
 }
 
-int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
-    norma_severity severity) {
+int check_baseline_note(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity, FILE *known) {
     char *place = place_in_baseline(baseline, path);
-    const int fine = place && add_known(baseline, place, finding->rule->id, finding->where,
-                                  severity, finding->count);
-    baseline->incomplete |= !fine;
+    if (!place) return 0;
+    fprintf(known, "%zu %d %s%c%s%c%s%c", finding->count, (int)severity, place, 0,
+        finding->rule->id, 0, finding->where, 0);
     free(place);
-    return fine;
+    return 1;
+}
+
+void check_baseline_add(check_baseline *baseline, const char *known, size_t size, int forgot) {
+    baseline->incomplete |= forgot;
+    for (const char *at = known, *end = known + size; at < end;) {
+        char *path;
+        const size_t count = strtoull(at, &path, 10);
+        const norma_severity severity = (norma_severity)strtol(path, &path, 10);
+        ++path; /* a blank */
+        const char *rule = path + strlen(path) + 1, *where = rule + strlen(rule) + 1;
+        baseline->incomplete |= !add_known(baseline, path, rule, where, severity, count);
+        at = where + strlen(where) + 1;
+    }
 }
 
 static int compare_known_places(const void *a, const void *b) {

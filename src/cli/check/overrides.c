@@ -287,12 +287,12 @@ static int is_searched(const check_config *config, const cli_inputs *inputs) {
 }
 
 /* Looks into the files again, as far as names are. */
-static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
+static void find_nearest_name(const check_configs *configs, const cli_inputs *inputs,
     const check_override *override, int list, const check_config *config, nearest_name *nearest) {
     const norma_document_options options = {
         .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
     for (size_t i = 0; i < inputs->count; ++i) {
-        if (check_config_of(configs, inputs->paths[i]) != config) continue;
+        if (check_config_of(configs, i) != config) continue;
         char *absolute = realpath(inputs->paths[i], NULL);
         check_names names = {.config = config, .path = absolute ? absolute : inputs->paths[i]};
         if (list == CHECK_FILES || is_file_meant(&names, override)) {
@@ -305,7 +305,7 @@ static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
     }
 }
 
-static void warn_of_list(check_configs *configs, const cli_inputs *inputs,
+static void warn_of_list(const check_configs *configs, const cli_inputs *inputs,
     const check_config *config, const check_override *override, int list) {
     if (override->lists[list] && !override->lists[list][0])
         cli_error("%s: overrides: %s: the list is empty, so this override applies to nothing",
@@ -325,14 +325,14 @@ static void warn_of_list(check_configs *configs, const cli_inputs *inputs,
     }
 }
 
-void check_warn_unmatched(check_configs *configs, const cli_inputs *inputs) {
+void check_warn_unmatched(const check_configs *configs, const cli_inputs *inputs) {
     const check_config *last = NULL;
     for (size_t i = 0; i < inputs->count; ++i) {
-        const check_config *config = check_config_of(configs, inputs->paths[i]);
+        const check_config *config = check_config_of(configs, i);
         size_t before = 0;
-        if (!config || config == last) continue;
+        if (config == last) continue;
         last = config;
-        while (before < i && check_config_of(configs, inputs->paths[before]) != config) ++before;
+        while (before < i && check_config_of(configs, before) != config) ++before;
         for (size_t k = 0; before == i && k < config->override_count; ++k)
             for (int list = 0; list < CHECK_LISTS; ++list)
                 warn_of_list(configs, inputs, config, &config->overrides[k], list);
