@@ -60,7 +60,7 @@ README.md | UPPER|glTF | the first sentence
 LIST
     verb) cat <<'LIST' ;;
 src/cli/main.c | cli_subcommand_NAME\b | the table of commands
-src/cli/NAME | help | options, help and report
+src/cli | cli_subcommand_NAME = | options, help and report
 docs/man/norma-NAME.1 | Nm norma.NAME | its manual page
 docs/man/norma.1 | norma-NAME | the list of commands
 completions/_norma | \bNAME\b | completion: zsh

@@ -197,7 +197,7 @@ typedef struct check_format {
 extern const check_format check_format_text, check_format_quiet, check_format_line,
     check_format_json, check_format_sarif, check_format_html;
 
-/* ---- files for people: the worst first (file_order.c) */
+/* ---- files for people: the worst first (check_all.c) */
 
 typedef struct check_entry {
     const char *path;
