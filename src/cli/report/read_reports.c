@@ -461,15 +461,6 @@ static void add_page_totals(cli_value page, check_totals *totals) {
         add_rule(v, totals);
 }
 
-/* The bytes from one place to another, in merged->entry. 0: reported. */
-static int read_between(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
-    const size_t size = (size_t)(to - from);
-    if (!report_grow_entry(merged, size + 1)) return 0;
-    if (report_files_read(text->files, text->report, from, merged->entry, size) == size) return 1;
-    refuse_page(text);
-    return 0;
-}
-
 static int read_totals(report_merge *merged, report_text *text) {
     static const char begin[] = CHECK_HTML_TOTALS;
     cli_json_fault fault;
@@ -477,8 +468,9 @@ static int read_totals(report_merge *merged, report_text *text) {
     if (at != UINT64_MAX) last = report_text_find(text, at, "</script>");
     if (last == UINT64_MAX) return refuse_page(text);
     at += sizeof begin - 1;
-    if (!read_between(merged, text, at, last)) return CLI_FILE;
-    cli_parsed *page = cli_json_parse(merged->entry, (size_t)(last - at), &fault);
+    report_part part = {.report = (uint32_t)text->report, .offset = at, .size = last - at};
+    if (!report_read_part(merged, &part)) return refuse_page(text);
+    cli_parsed *page = cli_json_parse(merged->entry, (size_t)part.size, &fault);
     if (!page) return fault.expected ? refuse_page(text) : cli_out_of_memory();
     add_page_totals(cli_json_root(page), &merged->totals);
     const int status = report_note_shards(merged, text->report, cli_json_root(page));
@@ -489,34 +481,22 @@ static int read_totals(report_merge *merged, report_text *text) {
 
 /* ---- sections */
 
-/* Behind the path of a section: whether the file was read, how many errors and warnings it has, and
- * whether a finding fails. */
-static int note_status(report_merge *merged, report_text *text, uint64_t at, report_part *part) {
-    char status[16], more[40] = "";
-    const uint64_t end = report_text_find(text, at, ">");
-    if (end == UINT64_MAX || end - at > 150) return refuse_page(text);
-    if (!read_between(merged, text, at, end + 1)) return CLI_FILE;
-    merged->entry[end + 1 - at] = '\0';
-    if (sscanf(merged->entry, CHECK_HTML_SCAN, status, &part->errors, &part->warnings, more) < 3)
-        return refuse_page(text);
-    part->is_clean = strstr(more, CHECK_HTML_CLEAN) != NULL;
-    if (strstr(more, CHECK_HTML_FAILS)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
-    if (strcmp(status, "unreadable") == 0) merged->status = CLI_FILE;
-    return CLI_OK;
-}
-
+/* Its path, whether it was read, how many errors and warnings it has, and whether a finding fails.
+ */
 static int add_section(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
     report_part part = {.report = (uint32_t)text->report, .offset = from, .size = to - from};
-    const uint64_t path = from + sizeof CHECK_HTML_FILE - 1,
-                   path_end = report_text_find(text, path, "\"");
-    if (path_end == UINT64_MAX || !report_copy_bytes(merged, &part, &part.hash, NULL))
+    char status[16], more[40] = "";
+    if (!report_read_part(merged, &part)) return refuse_page(text);
+    char *path = merged->entry + sizeof CHECK_HTML_FILE - 1, *path_end = strchr(path, '"');
+    if (!path_end ||
+        sscanf(path_end, CHECK_HTML_SCAN, status, &part.errors, &part.warnings, more) < 3)
         return refuse_page(text);
-    int status = note_status(merged, text, path_end, &part);
-    if (status) return status;
-    if (!read_between(merged, text, path, path_end)) return CLI_FILE;
-    merged->entry[path_end - path] = '\0';
-    report_decode(merged->entry);
-    part.path = merged->entry;
+    part.is_clean = strstr(more, CHECK_HTML_CLEAN) != NULL;
+    if (strstr(more, CHECK_HTML_FAILS)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
+    if (strcmp(status, "unreadable") == 0) merged->status = CLI_FILE;
+    *path_end = '\0';
+    report_decode(path);
+    part.path = path;
     return report_add_part(merged, part);
 }
 
@@ -543,10 +523,11 @@ int report_write_html(report_merge *merged, FILE *out) {
     check_format_html.begin(out, &merged->settings);
     for (size_t i = 0; i < merged->part_count && !status; ++i) {
         const check_entry entry = report_entry(&merged->parts[i]);
-        if (!check_list_add(&list, &entry)) status = cli_out_of_memory();
+        status = check_list_add(&list, &entry) ? report_load_part(merged, &merged->parts[i])
+                                               : cli_out_of_memory();
         if (status) break;
         check_begin_entry(&list, i, &check_format_html, out);
-        status = report_copy_part(merged, &merged->parts[i], out);
+        fwrite(merged->entry, 1, (size_t)merged->parts[i].size, out);
     }
     check_format_html.end(out, &merged->totals, &merged->settings);
     check_list_free(&list);

@@ -12,30 +12,16 @@
 
 /* ---- as it is */
 
-/* An entry that is what it was when it was read first can be read again. */
-static cli_parsed *load_entry(report_merge *merged, const report_part *part, int *status) {
-    cli_json_fault fault;
-    *status = report_load_part(merged, part);
-    if (*status) return NULL;
-    cli_parsed *entry = cli_json_parse(merged->entry, (size_t)part->size, &fault);
-    if (!entry) *status = cli_out_of_memory();
-    return entry;
-}
-
-static int write_parts_as_they_are(report_merge *merged, FILE *out) {
-    int status = CLI_OK;
-    for (size_t i = 0; i < merged->part_count && !status; ++i) {
-        if (i) fputs(",\n", out);
-        status = report_copy_part(merged, &merged->parts[i], out);
-    }
-    return status;
-}
-
 static int report_write_json(report_merge *merged, FILE *out) {
     check_totals totals = merged->totals;
+    int status = CLI_OK;
     totals.status = merged->status;
     check_format_json.begin(out, &merged->settings);
-    const int status = write_parts_as_they_are(merged, out);
+    for (size_t i = 0; i < merged->part_count && !status; ++i) {
+        status = report_load_part(merged, &merged->parts[i]);
+        if (i) fputs(",\n", out);
+        if (!status) fwrite(merged->entry, 1, (size_t)merged->parts[i].size, out);
+    }
     check_format_json.end(out, &totals, &merged->settings);
     return status;
 }
@@ -151,15 +137,17 @@ static int write_or_keep(check_entry *entry, const check_format *format, FILE *o
 static int write_part_as(report_merge *merged, const report_part *part, const check_format *format,
     FILE *out, check_totals *totals, int *any) {
     cli_memory_stream written;
-    int status;
-    cli_parsed *parsed = load_entry(merged, part, &status);
+    cli_json_fault fault;
     const check_totals before = *totals;
-    if (!parsed) return status;
-    if (cli_memory_open(&written))
+    int status = report_load_part(merged, part);
+    if (status) return status;
+    /* An entry that is what it was when it was read first can be read again. */
+    cli_parsed *parsed = cli_json_parse(merged->entry, (size_t)part->size, &fault);
+    if (parsed && cli_memory_open(&written))
         status =
             write_file_as(merged, part->path, cli_json_root(parsed), format, written.out, totals);
     cli_json_free(parsed);
-    if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
+    if (!parsed || !cli_memory_close(&written)) return status ? status : cli_out_of_memory();
     check_entry entry = {.path = part->path,
         .errors = totals->errors - before.errors,
         .warnings = totals->warnings - before.warnings,
@@ -287,7 +275,7 @@ static int choose_format(const cli_subcommand *command, report_work *work) {
 static int look_again(report_merge *merged) {
     int status = CLI_OK;
     for (size_t i = 0; i < merged->part_count && !status; ++i)
-        status = report_copy_part(merged, &merged->parts[i], NULL);
+        status = report_load_part(merged, &merged->parts[i]);
     return status;
 }
 

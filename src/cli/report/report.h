@@ -111,10 +111,9 @@ int report_write_html(report_merge *merged, FILE *out);
 
 /* ---- entries on disk (report_parts.c) */
 
-/* Reads the text of a part into merged->entry. A status: it may not be what it was. */
+/* Reads the text of a part into merged->entry, with a 0 behind it, and hashes it. 0: not all of it
+ * is there, or memory ran out. */
+int report_read_part(report_merge *merged, report_part *part);
+/* The same of a part that is known. A status: it may not be what it was, which was said. */
 int report_load_part(report_merge *merged, const report_part *part);
-/* Copies the text of a part; out NULL: only looks whether it is what it was. A status. */
-int report_copy_part(report_merge *merged, const report_part *part, FILE *out);
-/* Goes through the bytes of a part; out may be NULL. 0: there are fewer, or out of memory. */
-int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *hash, FILE *out);
 #endif

@@ -153,7 +153,7 @@ int report_grow_entry(report_merge *merged, size_t size) {
     const size_t room = size < 4096 ? 4096 : size + size / 2;
     char *entry = realloc(merged->entry, room);
     if (!entry) {
-        cli_out_of_memory();
+        merged->files.failed = cli_out_of_memory();
         return 0;
     }
     merged->entry = entry;
@@ -204,46 +204,23 @@ int report_fail_on(cli_value file) {
 /* ---- Entries of reports read again. Their hashes were kept, so a report that was written to
  * or cut short meanwhile is seen, wherever that was. */
 
-static int changed(const report_merge *merged, const report_part *part) {
+int report_read_part(report_merge *merged, report_part *part) {
+    const size_t size = (size_t)part->size;
+    if (!report_grow_entry(merged, size + 1)) return 0;
+    if (report_files_read(&merged->files, part->report, part->offset, merged->entry, size) != size)
+        return 0;
+    merged->entry[size] = '\0';
+    part->hash = cli_hash(CLI_HASH, merged->entry, size);
+    return 1;
+}
+
+int report_load_part(report_merge *merged, const report_part *part) {
+    report_part now = *part;
+    if (report_read_part(merged, &now) && now.hash == part->hash) return CLI_OK;
     if (!merged->files.failed)
         cli_error("%s: byte %llu: the entry of %s changed while the reports were joined",
             merged->files.paths[part->report], (unsigned long long)part->offset, part->path);
     return CLI_FILE;
-}
-
-int report_load_part(report_merge *merged, const report_part *part) {
-    const size_t size = (size_t)part->size;
-    if (!report_grow_entry(merged, size)) return CLI_FILE;
-    const size_t got =
-        report_files_read(&merged->files, part->report, part->offset, merged->entry, size);
-    return got == size && cli_hash(CLI_HASH, merged->entry, size) == part->hash
-               ? CLI_OK
-               : changed(merged, part);
-}
-
-int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *hash, FILE *out) {
-    *hash = CLI_HASH;
-    if (!report_grow_entry(merged, REPORT_BLOCK)) {
-        merged->files.failed = 1;
-        return 0;
-    }
-    for (uint64_t at = 0; at < part->size; at += REPORT_BLOCK) {
-        const size_t size =
-            part->size - at < REPORT_BLOCK ? (size_t)(part->size - at) : REPORT_BLOCK;
-        const size_t got =
-            report_files_read(&merged->files, part->report, part->offset + at, merged->entry, size);
-        if (got < size) return 0;
-        *hash = cli_hash(*hash, merged->entry, size);
-        if (out) fwrite(merged->entry, 1, size, out);
-    }
-    return 1;
-}
-
-int report_copy_part(report_merge *merged, const report_part *part, FILE *out) {
-    uint64_t hash;
-    return report_copy_bytes(merged, part, &hash, out) && hash == part->hash
-               ? CLI_OK
-               : changed(merged, part);
 }
 
 /* ---- Reports of shards are put together only as a whole set: a shard that is missing,
