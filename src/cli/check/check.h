@@ -303,7 +303,6 @@ void check_one_file(const check_settings *settings, const check_config *config,
 /* "2/8": the second of eight parts. NULL, or what was expected. */
 const char *check_read_shard(const char *text, size_t *number, size_t *count);
 void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
-int check_sort_inputs(cli_inputs *inputs); /* by path, as bytes; a status */
 
 /* ---- all of them (check_all.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */

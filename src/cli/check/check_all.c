@@ -185,49 +185,15 @@ static const char *plain(const char *path) {
     return path;
 }
 
-static void move_input(cli_inputs *inputs, size_t to, const cli_inputs *from, size_t at) {
-    inputs->paths[to] = from->paths[at];
-    inputs->tails[to] = from->tails[at];
-    inputs->within[to] = from->within[at];
-}
-
 void check_keep_shard(cli_inputs *inputs, size_t number, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < inputs->count; ++i) {
-        if (hash_path(plain(inputs->paths[i] + inputs->within[i])) % count == number - 1)
-            move_input(inputs, kept++, inputs, i);
+        if (hash_path(plain(inputs->list[i].path + inputs->list[i].within)) % count == number - 1)
+            inputs->list[kept++] = inputs->list[i];
         else
-            free(inputs->paths[i]);
+            free(inputs->list[i].path);
     }
     inputs->count = kept;
-}
-
-static int compare_inputs(const void *a, const void *b) {
-    const char *const *one = *(const char *const *const *)a, *const *other =
-                                                                 *(const char *const *const *)b;
-    const int order = strcmp(*one, *other);
-    return order ? order : one < other ? -1 : one > other;
-}
-
-int check_sort_inputs(cli_inputs *inputs) {
-    const size_t count = inputs->count;
-    char ***order = malloc((count + 1) * sizeof *order);
-    cli_inputs old = *inputs;
-    inputs->paths = malloc((count + 1) * sizeof *inputs->paths);
-    inputs->tails = malloc((count + 1) * sizeof *inputs->tails);
-    inputs->within = malloc((count + 1) * sizeof *inputs->within);
-    const int fine = order && inputs->paths && inputs->tails && inputs->within;
-    for (size_t i = 0; i < count && fine; ++i) order[i] = &old.paths[i];
-    if (fine) qsort(order, count, sizeof *order, compare_inputs);
-    for (size_t i = 0; i < count && fine; ++i)
-        move_input(inputs, i, &old, (size_t)(order[i] - old.paths));
-    inputs->capacity = count + 1;
-    free(order);
-    cli_inputs unused = fine ? old : *inputs;
-    if (!fine) *inputs = old;
-    unused.count = 0;
-    cli_inputs_free(&unused);
-    return fine ? CLI_OK : cli_out_of_memory();
 }
 
 /* ---- Checks several files at once and reports them in their order. A thread takes the
@@ -319,7 +285,7 @@ static void tell_what_is_next(check_collector *all) {
 
 /* Megabytes, and as much for the file itself as ten thousand of its bytes take. */
 static double work_of(const check_collector *all, size_t file) {
-    return cli_megabytes(all->inputs->paths[file]) + 0.01;
+    return cli_megabytes(all->inputs->list[file].path) + 0.01;
 }
 
 /* Never less than before: a file may be checked again. */
@@ -337,7 +303,7 @@ static int report_percent(check_collector *all) {
 /* Takes over the bytes. */
 static void collect_checked(check_collector *all, const checked_file *checked) {
     file_part *part = &all->parts[checked->file % WINDOW];
-    part->entry = (check_entry){.path = all->inputs->paths[checked->file],
+    part->entry = (check_entry){.path = all->inputs->list[checked->file].path,
         .errors = checked->totals.errors,
         .warnings = checked->totals.warnings,
         .is_clean = checked->totals.clean > 0,
@@ -464,7 +430,7 @@ static checked_file check_into_memory(const check_settings *asked, const check_c
         checked.report.size = 0;
         checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
         checked.totals.incomplete = checked.totals.unreported = 1;
-        cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->paths[file]));
+        cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->list[file].path));
     }
     if (!checked.known.text) checked.known.size = 0;
     return checked;
@@ -643,7 +609,7 @@ int check_all_files(const check_settings *settings, const check_configs *configs
         .out = out,
         .totals.list = totals->list};
     cli_progress_start(&all->progress, "checking",
-        inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
+        inputs->count == 1 ? cli_input_name(inputs->list[0].path) : "files", settings->quiet, 0);
     all->progress.is_uneven = settings->fix != CHECK_FIX_NOTHING; /* how many passes: not known */
     for (size_t i = 0; i < inputs->count && all->progress.enabled; ++i)
         all->work += work_of(all, i);

@@ -401,10 +401,11 @@ static int report_lost_files(
     int status = CLI_OK;
     qsort((void *)names, count, sizeof *names, compare_names);
     for (size_t i = 0; i < references->count; ++i) {
-        const char *name = references->paths[i] + references->within[i];
+        const char *name = references->list[i].path + references->list[i].within;
         if (count && bsearch(&name, (const void *)names, count, sizeof *names, compare_names))
             continue;
-        cli_error("%s: has no counterpart in %s", references->paths[i], work->files.words.words[0]);
+        cli_error(
+            "%s: has no counterpart in %s", references->list[i].path, work->files.words.words[0]);
         status = CLI_FILE;
     }
     return status;
@@ -416,7 +417,8 @@ static int find_lost_files(const cli_subcommand *command, const check_work *work
     cli_files references = {.words = {(const char **)(uintptr_t)&work->settings.against, 1}};
     const char **names = malloc((inputs->count + 1) * sizeof *names);
     if (!names) return cli_out_of_memory();
-    for (size_t i = 0; i < inputs->count; ++i) names[i] = inputs->paths[i] + inputs->within[i];
+    for (size_t i = 0; i < inputs->count; ++i)
+        names[i] = inputs->list[i].path + inputs->list[i].within;
     int status = cli_find_inputs(command, &references);
     if (work->settings.shards)
         check_keep_shard(&references.inputs, work->settings.shard, work->settings.shards);
@@ -446,7 +448,9 @@ static int find_inputs(const cli_subcommand *command, check_work *work) {
     if (placed) return placed;
     if (work->settings.shards)
         check_keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
-    return status == CLI_USAGE ? status : cli_worse(status, check_sort_inputs(&work->files.inputs));
+    cli_inputs *inputs = &work->files.inputs;
+    if (inputs->count) qsort(inputs->list, inputs->count, sizeof *inputs->list, cli_compare_inputs);
+    return status;
 }
 
 static int check_all(const cli_subcommand *command, check_work *work) {

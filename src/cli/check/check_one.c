@@ -91,7 +91,7 @@ static norma_document_result save_fixed(const check_settings *settings,
 static norma_document_result check_fix(const check_settings *settings, norma_document *document,
     const norma_findings *before, const norma_check_options *options, size_t index,
     check_fixed *mended, norma_document_error *error) {
-    const char *path = settings->files->inputs.paths[index];
+    const char *path = settings->files->inputs.list[index].path;
     *mended = (check_fixed){0};
     char *output = cli_output_of(settings->files, index, NULL);
     if (!output) return fail_without_memory(error);
@@ -499,12 +499,13 @@ static int report_against(
     const check_settings *settings, const check_format *format, size_t index, char **text) {
     const cli_inputs *inputs = &settings->files->inputs;
     cli_memory_stream gathered;
-    char *reference = cli_join(settings->against, inputs->paths[index] + inputs->tails[index]);
+    char *reference =
+        cli_join(settings->against, inputs->list[index].path + inputs->list[index].tail);
     int status = CLI_FILE;
     *text = NULL;
     if (reference && cli_memory_open(&gathered)) {
-        status = compare_with_reference(
-            settings, inputs->paths[index], reference, gathered.out, format == &check_format_json);
+        status = compare_with_reference(settings, inputs->list[index].path, reference, gathered.out,
+            format == &check_format_json);
         if (cli_memory_close(&gathered)) *text = gathered.text;
     }
     free(reference);
@@ -559,7 +560,7 @@ static void report_findings(
 
 void check_one_file(const check_settings *settings, const check_config *config,
     const check_format *format, size_t index, FILE *out, check_totals *totals) {
-    const char *path = settings->files->inputs.paths[index];
+    const char *path = settings->files->inputs.list[index].path;
     file_check check = {.settings = settings, .config = config, .path = path, .index = index};
     if (config->override_count) check.absolute = realpath(path, NULL);
     if (settings->lost)

@@ -463,9 +463,9 @@ int check_configs_read(check_configs *configs, const cli_inputs *inputs) {
     if (!configs->of_files) return cli_out_of_memory();
     for (size_t i = 0; i < inputs->count; ++i) {
         errno = 0;
-        configs->of_files[i] = i && is_beside(inputs->paths[i], inputs->paths[i - 1])
+        configs->of_files[i] = i && is_beside(inputs->list[i].path, inputs->list[i - 1].path)
                                    ? configs->of_files[i - 1]
-                                   : find_config(configs, inputs->paths[i]);
+                                   : find_config(configs, inputs->list[i].path);
         if (!configs->of_files[i]) return errno == ENOMEM ? CLI_FILE : CLI_USAGE;
     }
     return CLI_OK;

@@ -271,16 +271,16 @@ static void begin_nearest(nearest_name *nearest, const char *pattern) {
 static int is_searched(const check_config *config, const cli_inputs *inputs) {
     int found = 0;
     for (size_t i = 0; i < inputs->count && !found; ++i) {
-        if (!inputs->within[i]) continue;
-        char *folder = strndup(inputs->paths[i], inputs->within[i]),
+        if (!inputs->list[i].within) continue;
+        char *folder = strndup(inputs->list[i].path, inputs->list[i].within),
              *whole = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
         const size_t length = whole ? strlen(whole) : 0;
         found = whole && strncmp(config->folder, whole, length) == 0 &&
                 (config->folder[length] == '/' || !config->folder[length] || length == 1);
         free(folder);
         free(whole);
-        while (i + 1 < inputs->count && inputs->within[i + 1] == inputs->within[i] &&
-               strncmp(inputs->paths[i], inputs->paths[i + 1], inputs->within[i]) == 0)
+        while (i + 1 < inputs->count && inputs->list[i + 1].within == inputs->list[i].within &&
+               strncmp(inputs->list[i].path, inputs->list[i + 1].path, inputs->list[i].within) == 0)
             ++i;
     }
     return found;
@@ -293,11 +293,11 @@ static void find_nearest_name(const check_configs *configs, const cli_inputs *in
         .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
     for (size_t i = 0; i < inputs->count; ++i) {
         if (check_config_of(configs, i) != config) continue;
-        char *absolute = realpath(inputs->paths[i], NULL);
-        check_names names = {.config = config, .path = absolute ? absolute : inputs->paths[i]};
+        char *absolute = realpath(inputs->list[i].path, NULL);
+        check_names names = {.config = config, .path = absolute ? absolute : inputs->list[i].path};
         if (list == CHECK_FILES || is_file_meant(&names, override)) {
             if (list != CHECK_FILES)
-                (void)norma_document_open(inputs->paths[i], &options, &names.document, NULL);
+                (void)norma_document_open(inputs->list[i].path, &options, &names.document, NULL);
             visit_names(&names, list, compare_with_name, nearest);
             norma_document_close(names.document);
         }

@@ -465,9 +465,9 @@ static int compare_and_report(compare_work *work) {
 /* NULL: no memory. To be freed once the pair is done with. */
 static char *name_pair(compare_work *work, size_t file) {
     const cli_inputs *inputs = &work->files.inputs;
-    char *counterpart = cli_join(work->base, inputs->paths[file] + inputs->within[file]);
+    char *counterpart = cli_join(work->base, inputs->list[file].path + inputs->list[file].within);
     work->names[0] = counterpart;
-    work->names[1] = inputs->paths[file];
+    work->names[1] = inputs->list[file].path;
     return counterpart;
 }
 

@@ -107,7 +107,7 @@ static int make_run(joint_run *run) {
         joint_file *own = &run->own[i];
         own->output = cli_output_of(run->all->files, i, NULL);
         if (!own->output) return 0;
-        run->files[i] = (norma_together_file){.input = run->all->files->inputs.paths[i],
+        run->files[i] = (norma_together_file){.input = run->all->files->inputs.list[i].path,
             .output = own->output,
             .format = run->all->files->format,
             .summary = &own->summary,
@@ -664,11 +664,13 @@ static void report_written(const seams_work *work) {
 
 static int write_seams(seams_work *work, int merges) {
     const cli_inputs *inputs = &work->files.inputs;
-    const char *const *paths =
-        merges ? work->files.words.words : (const char *const *)(uintptr_t)inputs->paths;
     const size_t count = merges ? work->files.words.count : inputs->count;
+    const char **paths = calloc(count + 1, sizeof *paths);
     norma_document_error error = {0};
     cli_progress progress;
+    if (!paths) return cli_out_of_memory();
+    for (size_t i = 0; i < count; ++i)
+        paths[i] = merges ? work->files.words.words[i] : inputs->list[i].path;
     cli_progress_start(
         &progress, merges ? "merging" : "taking votes", work->output, work->common.quiet, 0);
     work->options.progress = cli_progress_report;
@@ -680,6 +682,7 @@ static int write_seams(seams_work *work, int merges) {
             : norma_seams_votes(paths, count, work->output, &work->options, &work->summary, &error);
     cli_progress_stop(&progress);
     cli_writing_end();
+    free((void *)paths);
     if (!result) {
         report_written(work);
         return cli_finish(CLI_OK);

@@ -58,7 +58,7 @@ typedef struct look_ahead {
 
 static int look_into(void *user, size_t file) {
     const look_ahead *ahead = user;
-    cli_guard_names(ahead->guard, ahead->inputs->paths[file], ahead->format);
+    cli_guard_names(ahead->guard, ahead->inputs->list[file].path, ahead->format);
     return CLI_OK;
 }
 

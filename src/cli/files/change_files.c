@@ -126,7 +126,7 @@ static int try_format(const cli_changer *changer, const char *input, norma_file_
 static int cli_try_formats(const cli_files *files, const cli_changer *changer) {
     int tried = 0, status = CLI_OK;
     for (size_t i = 0; files->inputs.count > 1 && i < files->inputs.count && !status; ++i) {
-        const char *input = files->inputs.paths[i];
+        const char *input = files->inputs.list[i].path;
         norma_file_format kind = files->format ? files->format : norma_file_format_of_path(input);
         if (kind == NORMA_FILE_UNKNOWN) continue;
         if (norma_file_format_is_gltf(kind)) kind = NORMA_FILE_GLTF;
@@ -294,7 +294,7 @@ static int change_one(void *user, size_t file) {
     file_job job = *(const file_job *)user;
     char *output = cli_output_of(job.files, file, NULL);
     if (!output) return cli_out_of_memory();
-    job.input = job.files->inputs.paths[file];
+    job.input = job.files->inputs.list[file].path;
     job.output = output;
     const int status = run_file_job(&job);
     free(output);
@@ -304,7 +304,7 @@ static int change_one(void *user, size_t file) {
 static void report_lost_change(void *user, size_t file, int worker, const char *why) {
     file_job job = *(const file_job *)user;
     norma_document_error error;
-    job.input = job.files->inputs.paths[file];
+    job.input = job.files->inputs.list[file].path;
     cli_remove_left_by(worker, job.files, file);
     cli_lost_error(&error, job.input, why);
     report_change(&job, NULL, &error);

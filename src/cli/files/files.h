@@ -41,10 +41,15 @@ int cli_is_same_output(const char *a, const char *b);
 
 /* ---- The files that a command names, and opening them. */
 
+typedef struct cli_input {
+    char *path;
+    size_t tail;   /* from which byte on it is kept below --out-dir */
+    size_t within; /* the same, relative to the folder given; 0 where none was */
+    size_t number; /* in the order in which they were found */
+} cli_input;
+
 typedef struct cli_inputs {
-    char **paths;
-    size_t *tails;  /* of each path: from which byte on it is kept below --out-dir */
-    size_t *within; /* the same, relative to the folder given; 0 where none was */
+    cli_input *list;
     size_t count, capacity;
     const char *moved; /* a tileset whose tiles have transforms; NULL: none was given */
 } cli_inputs;
@@ -89,6 +94,7 @@ int cli_find_inputs(const cli_subcommand *command, cli_files *files);
 /* The same for the lines of each list; what does not exist or has no reader is left out. */
 int cli_find_listed(const cli_subcommand *command, cli_files *files);
 void cli_inputs_free(cli_inputs *inputs);
+int cli_compare_inputs(const void *a, const void *b); /* for qsort: by path, as bytes */
 /* Whether a path, component by component, is what a pattern says; ** stands for any number of
  * components. A pattern without a slash is compared with the last one. */
 int cli_path_matches(const char *pattern, const char *path);

@@ -406,32 +406,27 @@ void cli_json_notes(struct cli_json *json, const norma_document *document) {
  * hidden entries are left out there, and links that lead out of the folder. */
 
 static int add_path(cli_inputs *inputs, char *path, size_t tail, size_t within) {
-    if (!path) return cli_out_of_memory();
-    if (inputs->count == inputs->capacity) {
-        const size_t capacity = inputs->capacity ? 2 * inputs->capacity : 64;
-        char **paths = realloc(inputs->paths, capacity * sizeof *paths);
-        if (paths) inputs->paths = paths;
-        size_t *tails = realloc(inputs->tails, capacity * sizeof *tails);
-        if (tails) inputs->tails = tails;
-        size_t *starts = realloc(inputs->within, capacity * sizeof *starts);
-        if (starts) inputs->within = starts;
-        if (!paths || !tails || !starts) {
-            free(path);
-            return cli_out_of_memory();
-        }
-        inputs->capacity = capacity;
+    cli_input *grown =
+        path ? cli_grow(inputs->list, inputs->count, &inputs->capacity, sizeof *grown) : NULL;
+    if (!grown) {
+        free(path);
+        return cli_out_of_memory();
     }
-    inputs->tails[inputs->count] = tail;
-    inputs->within[inputs->count] = within;
-    inputs->paths[inputs->count++] = path;
+    inputs->list = grown;
+    inputs->list[inputs->count] = (cli_input){path, tail, within, inputs->count};
+    ++inputs->count;
     return CLI_OK;
 }
 
+int cli_compare_inputs(const void *a, const void *b) {
+    const cli_input *one = a, *other = b;
+    const int order = strcmp(one->path, other->path);
+    return order ? order : (one->number > other->number) - (one->number < other->number);
+}
+
 void cli_inputs_free(cli_inputs *inputs) {
-    for (size_t i = 0; i < inputs->count; ++i) free(inputs->paths[i]);
-    free(inputs->paths);
-    free(inputs->tails);
-    free(inputs->within);
+    for (size_t i = 0; i < inputs->count; ++i) free(inputs->list[i].path);
+    free(inputs->list);
     *inputs = (cli_inputs){0};
 }
 
@@ -548,9 +543,9 @@ static int walk_one(folder_walk *walk, const char *folder) {
     free(entries);
     /* The first is to be walked next. */
     for (size_t a = first, b = walk->folders.count; a + 1 < b; ++a) {
-        char *swapped = walk->folders.paths[a];
-        walk->folders.paths[a] = walk->folders.paths[--b];
-        walk->folders.paths[b] = swapped;
+        const cli_input swapped = walk->folders.list[a];
+        walk->folders.list[a] = walk->folders.list[--b];
+        walk->folders.list[b] = swapped;
     }
     return status;
 }
@@ -567,7 +562,7 @@ static int walk_folder(cli_inputs *inputs, const char *folder, const char *patte
     }
     int status = add_path(&walk.folders, strdup(folder), 0, 0);
     while (walk.folders.count) {
-        char *next = walk.folders.paths[--walk.folders.count];
+        char *next = walk.folders.list[--walk.folders.count].path;
         status = cli_worse(status, walk_one(&walk, next));
         free(next);
     }
@@ -590,10 +585,7 @@ static int add_pattern(const cli_subcommand *command, cli_inputs *inputs, const 
     return cli_usage(command, "the pattern '%s' matches no file", pattern);
 }
 
-static size_t base_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? (size_t)(slash - path) + 1 : 0;
-}
+static size_t base_of(const char *path) { return (size_t)(cli_base_name(path) - path); }
 
 typedef struct tile_list {
     cli_inputs *inputs;
@@ -607,30 +599,26 @@ static int add_tile(void *user, const char *path) {
     return list->status;
 }
 
-static int compare_tiles(const void *a, const void *b) {
-    char *const *one = *(char *const *const *)a, *const *other = *(char *const *const *)b;
-    const int order = strcmp(*one, *other);
-    return order ? order : (one > other) - (one < other);
+static int compare_numbers(const void *a, const void *b) {
+    const size_t one = ((const cli_input *)a)->number, other = ((const cli_input *)b)->number;
+    return (one > other) - (one < other);
 }
 
 /* A tileset may draw one file at many places: it is read where it is named first. */
-static int drop_repeated(cli_inputs *inputs, size_t first) {
+static void drop_repeated(cli_inputs *inputs, size_t first) {
+    cli_input *tiles = inputs->list + first;
     const size_t count = inputs->count - first;
-    char ***order = malloc((count + 1) * sizeof *order);
-    if (!order) return cli_out_of_memory();
-    for (size_t i = 0; i < count; ++i) order[i] = &inputs->paths[first + i];
-    qsort(order, count, sizeof *order, compare_tiles);
-    for (size_t i = count; i-- > 1;)
-        if (strcmp(*order[i], *order[i - 1]) == 0) {
-            free(*order[i]);
-            *order[i] = NULL;
-        }
-    free(order);
-    size_t kept = first; /* all have the same tail */
-    for (size_t i = first; i < inputs->count; ++i)
-        if (inputs->paths[i]) inputs->paths[kept++] = inputs->paths[i];
-    inputs->count = kept;
-    return CLI_OK;
+    size_t kept = 0;
+    if (!count) return;
+    qsort(tiles, count, sizeof *tiles, cli_compare_inputs);
+    for (size_t i = 0; i < count; ++i) {
+        if (kept && strcmp(tiles[i].path, tiles[kept - 1].path) == 0)
+            free(tiles[i].path);
+        else
+            tiles[kept++] = tiles[i];
+    }
+    qsort(tiles, kept, sizeof *tiles, compare_numbers);
+    inputs->count = first + kept;
 }
 
 /* A tileset stands for its tiles, as a folder does for its files. */
@@ -641,8 +629,8 @@ static int add_tiles(cli_inputs *inputs, const char *tileset) {
     const int failed = norma_tileset_visit_tiles(tileset, add_tile, &list, &error) != 0;
     if (failed) cli_print_error(&error);
     if (norma_tileset_moves_tiles(tileset)) inputs->moved = tileset;
-    const int status = cli_worse(list.status, drop_repeated(inputs, before));
-    if (failed || status || inputs->count > before) return failed ? CLI_FILE : status;
+    drop_repeated(inputs, before);
+    if (failed || list.status || inputs->count > before) return failed ? CLI_FILE : list.status;
     cli_error("%s: names no tile that can be read", tileset);
     return CLI_FILE;
 }
@@ -681,7 +669,7 @@ int cli_find_inputs(const cli_subcommand *command, cli_files *files) {
     if (files->words.count == 0 && files->lists.count == 0)
         return cli_usage(command, "no input file was given");
     for (size_t i = 0; i < files->inputs.count; ++i)
-        cli_guard_read(files->guard, files->inputs.paths[i]);
+        cli_guard_read(files->guard, files->inputs.list[i].path);
     return status;
 }
 
@@ -710,7 +698,7 @@ static int add_line(
 static int add_missing(cli_inputs *inputs, const cli_inputs *missing) {
     int status = CLI_OK;
     for (size_t i = 0; i < missing->count && !status; ++i)
-        status = add_path(inputs, strdup(missing->paths[i]), missing->tails[i], 0);
+        status = add_path(inputs, strdup(missing->list[i].path), missing->list[i].tail, 0);
     return status;
 }
 

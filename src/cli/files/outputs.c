@@ -59,10 +59,10 @@ static void simplify_path(char *path) {
 }
 
 char *cli_output_of(const cli_files *files, size_t index, const char *ending) {
-    const char *input = files->inputs.paths[index];
+    const char *input = files->inputs.list[index].path;
     if (files->output) return strdup(files->output);
     if (!files->folder) return strdup(input);
-    const char *name = input + files->inputs.tails[index];
+    const char *name = input + files->inputs.list[index].tail;
     const size_t kept = ending ? stem_length(name) : strlen(name),
                  size = kept + (ending ? strlen(ending) : 0) + 1;
     char *changed = malloc(size);
@@ -92,7 +92,7 @@ static int find_meeting(const cli_files *files, const char *ending, placed both[
     placed *all = calloc(count + 1, sizeof *all);
     int found = all ? 0 : -1;
     for (size_t i = 0; i < count && !found; ++i) {
-        all[i] = (placed){cli_output_of(files, i, ending), files->inputs.paths[i]};
+        all[i] = (placed){cli_output_of(files, i, ending), files->inputs.list[i].path};
         if (!all[i].output) found = -1;
     }
     if (!found) qsort(all, count, sizeof *all, compare_placed);
@@ -110,11 +110,11 @@ static int find_meeting(const cli_files *files, const char *ending, placed both[
 
 /* The length of the folders that all paths begin with. */
 static size_t shared_folder(const cli_inputs *inputs) {
-    const char *first = inputs->paths[0];
+    const char *first = inputs->list[0].path;
     size_t shared = strlen(first);
     for (size_t i = 0; i < inputs->count; ++i) {
         size_t same = 0;
-        while (same < shared && inputs->paths[i][same] == first[same]) ++same;
+        while (same < shared && inputs->list[i].path[same] == first[same]) ++same;
         shared = same;
     }
     while (shared && first[shared - 1] != '/') --shared;
@@ -132,8 +132,8 @@ static int climbs(const char *path) {
 static void keep_tree(cli_inputs *inputs) {
     const size_t shared = shared_folder(inputs);
     for (size_t i = 0; i < inputs->count; ++i)
-        if (climbs(inputs->paths[i] + shared)) return; /* it would leave the folder */
-    for (size_t i = 0; i < inputs->count; ++i) inputs->tails[i] = shared;
+        if (climbs(inputs->list[i].path + shared)) return; /* it would leave the folder */
+    for (size_t i = 0; i < inputs->count; ++i) inputs->list[i].tail = shared;
 }
 
 int cli_place_outputs(const cli_subcommand *command, cli_files *files, const char *ending) {
@@ -251,7 +251,7 @@ static int guard_each(const cli_files *files, const char *ending) {
     int status = CLI_OK;
     for (size_t i = 0; i < files->inputs.count && !status; ++i) {
         char *output = cli_output_of(files, i, ending);
-        status = output ? cli_guard_output_of(files, files->inputs.paths[i], output)
+        status = output ? cli_guard_output_of(files, files->inputs.list[i].path, output)
                         : cli_out_of_memory();
         free(output);
     }
@@ -297,7 +297,7 @@ static int check_output(const cli_subcommand *command, const cli_files *files, c
 int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= cli_is_standard(files->inputs.paths[i]);
+        standard |= cli_is_standard(files->inputs.list[i].path);
     if (ways == 0)
         return cli_usage(
             command, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
@@ -309,7 +309,7 @@ int cli_check_outputs(const cli_subcommand *command, const cli_common *common, c
         return cli_usage(command, "-o - and --json would both write to standard output");
     if (!files->output && standard)
         return cli_usage(command, "standard input has no name to write to; expected -o OUT");
-    int status = files->output ? check_output(command, files, files->inputs.paths[0])
+    int status = files->output ? check_output(command, files, files->inputs.list[0].path)
                                : cli_place_outputs(command, files, NULL);
     if (!status) status = cli_guard_outputs(files, NULL);
     return status ? status : cli_make_out_dir(command, files);

@@ -747,13 +747,13 @@ static int info_file(const info_work *work, const char *path) {
 
 static int run_one(void *user, size_t file) {
     const info_work *work = user;
-    return info_file(work, work->files.inputs.paths[file]);
+    return info_file(work, work->files.inputs.list[file].path);
 }
 
 static void report_lost_info(void *user, size_t file, int worker, const char *why) {
     (void)worker;
     const info_work *work = user;
-    const char *path = work->files.inputs.paths[file];
+    const char *path = work->files.inputs.list[file].path;
     norma_document_error error;
     cli_lost_error(&error, path, why);
     finish_file(work, path, NULL, 0, &error);

@@ -333,7 +333,7 @@ static int open_device(picture_job *job) {
 
 static int draw_one(void *user, size_t file) {
     picture_job *job = user;
-    job->input = job->settings->files.inputs.paths[file];
+    job->input = job->settings->files.inputs.list[file].path;
     job->index = file;
     const int status = open_device(job);
     return status ? status : draw_file(job);
@@ -343,8 +343,8 @@ static void report_lost_picture(void *user, size_t file, int worker, const char 
     const render_settings *settings = ((const picture_job *)user)->settings;
     norma_document_error error;
     cli_remove_left_by(worker, &settings->files, file);
-    cli_lost_error(&error, settings->files.inputs.paths[file], why);
-    fail_picture(settings, settings->files.inputs.paths[file], &error);
+    cli_lost_error(&error, settings->files.inputs.list[file].path, why);
+    fail_picture(settings, settings->files.inputs.list[file].path, &error);
 }
 
 static int draw_all(const render_settings *settings) {

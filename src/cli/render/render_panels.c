@@ -365,7 +365,7 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
     cli_files *files = &settings->files;
     int standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= cli_is_standard(files->inputs.paths[i]);
+        standard |= cli_is_standard(files->inputs.list[i].path);
     if (!files->output && !files->folder)
         return cli_usage(command, "no output was given; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)

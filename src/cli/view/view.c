@@ -432,7 +432,7 @@ static int write_one_page(void *user, size_t file) {
     const view_work *work = user;
     char *to = cli_output_of(&work->files, file, ".html");
     const int status =
-        to ? view_file(work, work->files.inputs.paths[file], to) : cli_out_of_memory();
+        to ? view_file(work, work->files.inputs.list[file].path, to) : cli_out_of_memory();
     free(to);
     return status;
 }
@@ -440,7 +440,7 @@ static int write_one_page(void *user, size_t file) {
 static void report_lost_page(void *user, size_t file, int worker, const char *why) {
     const view_work *work = user;
     cli_remove_left_by(worker, &work->files, file);
-    cli_error("%s: %s", cli_input_name(work->files.inputs.paths[file]), why);
+    cli_error("%s: %s", cli_input_name(work->files.inputs.list[file].path), why);
 }
 
 static int make_pages(const cli_subcommand *command, view_work *work) {
