@@ -151,7 +151,7 @@ int cli_output_begin(cli_output *output, const char *path, cli_guard *guard);
 int cli_output_end(cli_output *output);   /* a status */
 void cli_output_drop(cli_output *output); /* as if it had never been begun */
 
-/* ---- Work on the files of a batch one after the other, in a process of its own (batch.c,
+/* ---- Work on the files of a batch one after the other, in a process of its own (outputs.c,
  * process.h). */
 
 typedef struct cli_each {
