@@ -1,9 +1,257 @@
-/* read_reports.c: where the entries of a report stand, and what they say. */
-#define _POSIX_C_SOURCE 200809L
+/* Where the entries of reports stand, in the order of paths, and what they say. The entries
+ * themselves stay on disk. */
+#define _GNU_SOURCE /* memmem */
 #include "cli/report/report.h"
+#include "cli/check/check.h"
 #include "cli/process/process.h"
+#include "cli/text/text.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* ---- Reading reports by offset. Entries are sorted by path, and those of a shard lie
+ * between those of all others, so the descriptors of the last reports stay open. */
+
+/* Half of the descriptors that a process may have is enough for others. */
+static void report_files_open(report_files *files, const char *const *paths) {
+    const long most = sysconf(_SC_OPEN_MAX) / 2;
+    *files = (report_files){.paths = paths, .keeps = 1};
+    if (most > 1) files->keeps = most < REPORT_KEPT ? (size_t)most : REPORT_KEPT;
+}
+
+static void report_files_close(report_files *files) {
+    for (size_t i = 0; i < REPORT_KEPT; ++i)
+        if (files->kept[i].report) close(files->kept[i].file);
+    *files = (report_files){0};
+}
+
+/* -1: reported. */
+static int open_report(report_files *files, size_t report) {
+    const size_t slot = report % files->keeps;
+    if (files->kept[slot].report == report + 1) return files->kept[slot].file;
+    const int file = check_open_regular(files->paths[report]);
+    if (file < 0) return -1;
+    if (files->kept[slot].report) close(files->kept[slot].file);
+    files->kept[slot].report = report + 1;
+    files->kept[slot].file = file;
+    return file;
+}
+
+/* As many bytes as there are from there on, at most size. Less: the end, or failed. */
+static size_t report_files_read(
+    report_files *files, size_t report, uint64_t offset, char *bytes, size_t size) {
+    const int file = open_report(files, report);
+    size_t filled = 0;
+    files->failed |= file < 0;
+    if (file < 0) return 0;
+    while (filled < size) {
+        const ssize_t got = pread(file, bytes + filled, size - filled, (off_t)(offset + filled));
+        if (got == 0) break;
+        if (got > 0)
+            filled += (size_t)got;
+        else if (errno != EINTR) {
+            cli_error("%s: cannot be read", files->paths[report]);
+            files->failed = 1;
+            break;
+        }
+    }
+    return filled;
+}
+
+/* ---- in blocks */
+
+typedef struct report_text {
+    report_files *files;
+    size_t report;
+    uint64_t start; /* of the block */
+    size_t size;
+    int stops_at_zero; /* the text ends there */
+    char block[REPORT_BLOCK];
+} report_text;
+
+static void report_text_begin(report_text *text, report_files *files, size_t report) {
+    text->files = files;
+    text->report = report;
+    text->start = 0;
+    text->size = 0;
+    text->stops_at_zero = 0;
+}
+
+static void read_block(report_text *text, uint64_t offset) {
+    text->start = offset;
+    text->size =
+        report_files_read(text->files, text->report, offset, text->block, sizeof text->block);
+    const char *zero = text->stops_at_zero ? memchr(text->block, '\0', text->size) : NULL;
+    if (zero) text->size = (size_t)(zero - text->block);
+}
+
+/* The bytes there, at least one of *size; NULL: the end, or failed. */
+static const char *report_text_at(report_text *text, uint64_t offset, size_t *size) {
+    if (offset < text->start || offset - text->start >= text->size) read_block(text, offset);
+    *size = offset < text->start ? 0 : text->size - (size_t)(offset - text->start);
+    return *size ? text->block + (offset - text->start) : NULL;
+}
+
+/* The first place from an offset on that has these words; UINT64_MAX: none, or failed. They may lie
+ * across the end of a block: the next one begins before it. */
+static uint64_t report_text_find(report_text *text, uint64_t offset, const char *words) {
+    const size_t length = strlen(words);
+    size_t size;
+    for (const char *at; (at = report_text_at(text, offset, &size)); offset += size - length + 1) {
+        if (size < length) {
+            read_block(text, offset);
+            at = text->block;
+            size = text->size;
+        }
+        if (size < length) break;
+        const char *found = memmem(at, size, words, length);
+        if (found) return offset + (uint64_t)(found - at);
+    }
+    return UINT64_MAX;
+}
+
+/* ---- The parts of all reports, sorted by the paths of files. */
+
+int report_merge_begin(report_merge *merged, const char *const *reports, size_t count) {
+    report_files_open(&merged->files, reports);
+    merged->shards = calloc(count + 1, sizeof *merged->shards);
+    if (!merged->shards) return cli_out_of_memory();
+    merged->report_count = count;
+    return CLI_OK;
+}
+
+static int digit_of(char digit) {
+    static const char digits[] = "0123456789ABCDEFabcdef";
+    const char *at = digit ? strchr(digits, digit) : NULL;
+    return !at ? -1 : at - digits < 16 ? (int)(at - digits) : (int)(at - digits) - 6;
+}
+
+/* The bytes of percent-encoded text, in its place. */
+static void report_decode(char *text) {
+    char *to = text;
+    for (const char *at = text; *at; ++to) {
+        const int high = *at == '%' ? digit_of(at[1]) : -1, low = high < 0 ? -1 : digit_of(at[2]);
+        *to = low < 0 ? *at : (char)(16 * high + low);
+        at += low < 0 ? 1 : 3;
+    }
+    *to = '\0';
+}
+
+/* Results of one file follow one another, and share its path. */
+static int keep_path(const report_merge *merged, report_part *part) {
+    const report_part *last = merged->part_count ? &merged->parts[merged->part_count - 1] : NULL;
+    part->owns_path = !last || last->report != part->report || strcmp(last->path, part->path) != 0;
+    part->path = part->owns_path ? strdup(part->path) : last->path;
+    return part->path != NULL;
+}
+
+/* The path is copied. A status. */
+static int report_add_part(report_merge *merged, report_part part) {
+    report_part *parts =
+        cli_grow(merged->parts, merged->part_count, &merged->part_room, sizeof *parts);
+    merged->parts = parts ? parts : merged->parts;
+    if (!parts || !keep_path(merged, &part)) return cli_out_of_memory();
+    merged->parts[merged->part_count++] = part;
+    return CLI_OK;
+}
+
+/* All but so many. */
+static void report_drop_parts(report_merge *merged, size_t count) {
+    while (merged->part_count > count) {
+        const report_part *part = &merged->parts[--merged->part_count];
+        if (part->owns_path) free((char *)(uintptr_t)part->path);
+    }
+}
+
+/* 0: out of memory, reported. */
+static int report_grow_entry(report_merge *merged, size_t size) {
+    if (size <= merged->entry_room) return 1;
+    const size_t room = size < 4096 ? 4096 : size + size / 2;
+    char *entry = realloc(merged->entry, room);
+    if (!entry) {
+        merged->files.failed = cli_out_of_memory();
+        return 0;
+    }
+    merged->entry = entry;
+    merged->entry_room = room;
+    return 1;
+}
+
+void report_merge_free(report_merge *merged) {
+    report_drop_parts(merged, 0);
+    report_files_close(&merged->files);
+    for (size_t i = 0; i < merged->report_count; ++i) free(merged->shards[i].options);
+    free(merged->shards);
+    free(merged->parts);
+    free(merged->entry);
+}
+
+norma_severity report_severity(cli_value finding) {
+    return cli_find_severity(cli_string(cli_get(finding, "severity")));
+}
+
+int report_fail_on(cli_value file) {
+    const char *name = cli_string(cli_get(file, "fail_on"));
+    const int severity = (int)cli_find_severity(name ? name : "error");
+    return severity ? severity : CHECK_FAIL_NEVER;
+}
+
+/* ---- Entries of reports read again. Their hashes were kept, so a report that was written to
+ * or cut short meanwhile is seen, wherever that was. */
+
+/* Reads the text of a part into merged->entry, with a 0 behind it, and hashes it. 0: not all of it
+ * is there, or memory ran out. */
+static int report_read_part(report_merge *merged, report_part *part) {
+    const size_t size = (size_t)part->size;
+    if (!report_grow_entry(merged, size + 1)) return 0;
+    if (report_files_read(&merged->files, part->report, part->offset, merged->entry, size) != size)
+        return 0;
+    merged->entry[size] = '\0';
+    part->hash = cli_hash(CLI_HASH, merged->entry, size);
+    return 1;
+}
+
+int report_load_part(report_merge *merged, const report_part *part) {
+    report_part now = *part;
+    if (report_read_part(merged, &now) && now.hash == part->hash) return CLI_OK;
+    if (!merged->files.failed)
+        cli_error("%s: byte %llu: the entry of %s changed while the reports were joined",
+            merged->files.paths[part->report], (unsigned long long)part->offset, part->path);
+    return CLI_FILE;
+}
+
+/* ---- Reports of shards are put together only as a whole set: a shard that is missing,
+ * or there twice, would make a wrong report that looks right. */
+
+static size_t whole_number(cli_value value) {
+    size_t number = 0;
+    cli_count_of(value, &number);
+    return number;
+}
+
+/* What a report says of shards, in its members "shard", "options", "missing_shards". A status. */
+static int report_note_shard(
+    report_merge *merged, size_t report, const char *key, cli_value value) {
+    report_shard *shard = &merged->shards[report];
+    if (strcmp(key, "missing_shards") == 0 && cli_elements(value)) merged->status = CLI_FILE;
+    if (strcmp(key, "shard") == 0) {
+        shard->number = whole_number(cli_element(value, 0));
+        shard->count = whole_number(cli_element(value, 1));
+    }
+    if (strcmp(key, "options") != 0 || shard->options) return CLI_OK;
+    shard->options = cli_json_sorted(value);
+    return shard->options ? CLI_OK : cli_out_of_memory();
+}
+
+/* The same of each member of an object. */
+static int report_note_shards(report_merge *merged, size_t report, cli_value object) {
+    int status = CLI_OK;
+    for (cli_value v = cli_is_object(object) ? cli_first(object) : (cli_value){0}; v.in && !status;
+         v = cli_next(v))
+        status = report_note_shard(merged, report, cli_key(v), v);
+    return status;
+}
 
 /* ---- Where the entries of a report in JSON or SARIF stand. The report is gone through
  * once, and its values are parsed one by one, so that memory does not grow with the report. */
@@ -406,7 +654,7 @@ static int note_report(report_scan *scan) {
     return CLI_OK;
 }
 
-int report_add_json(report_merge *merged, report_text *text) {
+static int report_add_json(report_merge *merged, report_text *text) {
     report_scan scan = {.merged = merged, .text = text, .first_part = merged->part_count};
     return walk_object(&scan, take_of_report) && next(&scan) == EOF && !merged->files.failed
                ? note_report(&scan)
@@ -416,7 +664,7 @@ int report_add_json(report_merge *merged, report_text *text) {
 /* ---- Pages of norma check as one: the sections of their files, pictures included, and a
  * summary of all, from the totals that each page holds as JSON. */
 
-int report_is_html(report_text *text) {
+static int report_is_html(report_text *text) {
     const char *bytes;
     size_t size;
     for (uint64_t at = 0; (bytes = report_text_at(text, at, &size)); at += size)
@@ -500,7 +748,7 @@ static int add_section(report_merge *merged, report_text *text, uint64_t from, u
     return report_add_part(merged, part);
 }
 
-int report_add_html(report_merge *merged, report_text *text) {
+static int report_add_html(report_merge *merged, report_text *text) {
     static const char begin[] = CHECK_HTML_FILE, end[] = CHECK_HTML_FILE_END;
     merged->kind = REPORT_HTML;
     text->stops_at_zero = 1;
@@ -515,21 +763,15 @@ int report_add_html(report_merge *merged, report_text *text) {
     return text->files->failed ? CLI_FILE : status;
 }
 
-int report_write_html(report_merge *merged, FILE *out) {
-    int status = CLI_OK;
-    check_list list = {0};
-    merged->totals.status = merged->status;
-    merged->totals.list = &list;
-    check_format_html.begin(out, &merged->settings);
-    for (size_t i = 0; i < merged->part_count && !status; ++i) {
-        const check_entry entry = report_entry(&merged->parts[i]);
-        status = check_list_add(&list, &entry) ? report_load_part(merged, &merged->parts[i])
-                                               : cli_out_of_memory();
-        if (status) break;
-        check_begin_entry(&list, i, &check_format_html, out);
-        fwrite(merged->entry, 1, (size_t)merged->parts[i].size, out);
-    }
-    check_format_html.end(out, &merged->totals, &merged->settings);
-    check_list_free(&list);
+/* ---- any of them */
+
+/* By its content: a page, or JSON. Notes its parts. */
+int report_read(report_merge *merged, size_t report) {
+    report_text *text = malloc(sizeof *text);
+    if (!text) return cli_out_of_memory();
+    report_text_begin(text, &merged->files, report);
+    const int status =
+        report_is_html(text) ? report_add_html(merged, text) : report_add_json(merged, text);
+    free(text);
     return status;
 }

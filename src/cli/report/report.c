@@ -12,6 +12,27 @@
 
 /* ---- as it is */
 
+static check_entry report_entry(const report_part *part) {
+    return (check_entry){.path = part->path,
+        .errors = part->errors,
+        .warnings = part->warnings,
+        .is_clean = part->is_clean != 0};
+}
+
+static int compare_parts(const void *a, const void *b) {
+    const report_part *one = a, *other = b;
+    const check_entry entry = report_entry(one), other_entry = report_entry(other);
+    const int order = check_compare_entries(&entry, &other_entry);
+    if (order) return order;
+    if (one->report != other->report) return one->report < other->report ? -1 : 1;
+    return one->offset < other->offset ? -1 : one->offset > other->offset;
+}
+
+static void report_sort(report_merge *merged) {
+    if (merged->part_count)
+        qsort(merged->parts, merged->part_count, sizeof *merged->parts, compare_parts);
+}
+
 static int report_write_json(report_merge *merged, FILE *out) {
     check_totals totals = merged->totals;
     int status = CLI_OK;
@@ -44,6 +65,25 @@ static int report_write_sarif(report_merge *merged, FILE *out) {
     if (!status) check_results_write(results, out, &totals);
     check_results_free(results);
     check_format_sarif.end(out, &totals, &merged->settings);
+    return status;
+}
+
+static int report_write_html(report_merge *merged, FILE *out) {
+    int status = CLI_OK;
+    check_list list = {0};
+    merged->totals.status = merged->status;
+    merged->totals.list = &list;
+    check_format_html.begin(out, &merged->settings);
+    for (size_t i = 0; i < merged->part_count && !status; ++i) {
+        const check_entry entry = report_entry(&merged->parts[i]);
+        status = check_list_add(&list, &entry) ? report_load_part(merged, &merged->parts[i])
+                                               : cli_out_of_memory();
+        if (status) break;
+        check_begin_entry(&list, i, &check_format_html, out);
+        fwrite(merged->entry, 1, (size_t)merged->parts[i].size, out);
+    }
+    check_format_html.end(out, &merged->totals, &merged->settings);
+    check_list_free(&list);
     return status;
 }
 
@@ -177,6 +217,116 @@ static int report_write_as(
     return status;
 }
 
+/* ---- Reports of shards are put together only as a whole set: a shard that is missing, or there
+ * twice, would make a wrong report that looks right. */
+
+static const char *name_of_report(const report_merge *merged, size_t report) {
+    return merged->files.paths[report];
+}
+
+static int same_options(const char *a, const char *b) {
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+/* Beside the first report. */
+static int check_shard(const report_merge *merged, size_t report) {
+    const report_shard *one = &merged->shards[report], *first = merged->shards;
+    const char *name = name_of_report(merged, report), *first_name = name_of_report(merged, 0);
+    if (one->count && (one->number == 0 || one->number > one->count)) {
+        cli_error("%s: shard %zu of %zu does not exist", name, one->number, one->count);
+        return CLI_FILE;
+    }
+    if (!one->count != !first->count) {
+        cli_error("%s: is a shard, but %s is a whole report; expected all shards of a set",
+            one->count ? name : first_name, one->count ? first_name : name);
+        return CLI_FILE;
+    }
+    if (one->count != first->count) {
+        cli_error("%s: is one of %zu shards, but %s is one of %zu", name, one->count, first_name,
+            first->count);
+        return CLI_FILE;
+    }
+    if (same_options(one->options, first->options)) return CLI_OK;
+    cli_error("%s: was made with other options than %s: %s, not %s", name, first_name,
+        one->options ? one->options : "none", first->options ? first->options : "none");
+    return CLI_FILE;
+}
+
+typedef struct shard_place {
+    size_t number, report;
+} shard_place;
+
+static int compare_shards(const void *a, const void *b) {
+    const shard_place *one = a, *other = b;
+    if (one->number != other->number) return one->number < other->number ? -1 : 1;
+    return one->report < other->report ? -1 : one->report > other->report;
+}
+
+/* Sorted; each number at most once. */
+static int refuse_doubles(const report_merge *merged, const shard_place *places, size_t count) {
+    for (size_t i = 1; i < count; ++i)
+        if (places[i].number == places[i - 1].number) {
+            cli_error("%s: shard %zu of %zu is already in %s",
+                name_of_report(merged, places[i].report), places[i].number, merged->shards->count,
+                name_of_report(merged, places[i - 1].report));
+            return CLI_FILE;
+        }
+    return CLI_OK;
+}
+
+enum { MOST_NAMED = 100 };
+
+/* As JSON; a long list ends with null. */
+static char *list_missing(const shard_place *places, size_t count, size_t shards) {
+    cli_memory_stream text;
+    size_t next = 0, named = 0;
+    if (!cli_memory_open(&text)) return NULL;
+    fputc('[', text.out);
+    for (size_t number = 1; number <= shards && named <= MOST_NAMED; ++number) {
+        if (next < count && places[next].number == number) {
+            ++next;
+            continue;
+        }
+        if (named) fputs(", ", text.out);
+        if (named++ < MOST_NAMED)
+            fprintf(text.out, "%zu", number);
+        else
+            fputs("null", text.out);
+    }
+    fputc(']', text.out);
+    return cli_memory_close(&text) ? text.text : NULL;
+}
+
+static int tell_missing(const report_merge *merged, const char *list, int allowed) {
+    cli_error("shards %s of %zu are missing%s", list, merged->shards->count,
+        allowed ? "" : "; --partial joins the others");
+    return CLI_FILE;
+}
+
+/* Whether all shards of a set are there, each once, of the same options. allows_missing: --partial,
+ * and *missing is then the list of those that are not there, or NULL. A status. */
+static int report_check_shards(
+    report_merge *merged, size_t count, int allows_missing, char **missing) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < count && !status; ++i) status = check_shard(merged, i);
+    const size_t shards = merged->shards->count;
+    if (status || !shards) return status;
+    shard_place *places = calloc(count, sizeof *places);
+    if (!places) return cli_out_of_memory();
+    for (size_t i = 0; i < count; ++i) places[i] = (shard_place){merged->shards[i].number, i};
+    qsort(places, count, sizeof *places, compare_shards);
+    status = refuse_doubles(merged, places, count);
+    if (!status && count < shards) {
+        *missing = list_missing(places, count, shards);
+        if (!*missing) status = cli_out_of_memory();
+        if (!status && tell_missing(merged, *missing, allows_missing) && !allows_missing)
+            status = CLI_FILE;
+        merged->status = CLI_FILE;
+    }
+    free(places);
+    return status;
+}
+
 /* ---- Norma report --merge: the reports of norma check on parts of a set of files,
  * put together as the report on the whole set. What each report is, its content says. */
 
@@ -227,17 +377,6 @@ static const cli_option report_options[] = {
 
 /* ---- reading */
 
-/* By its content: a page, or JSON. Notes its parts. */
-static int read_report(report_merge *merged, size_t report) {
-    report_text *text = malloc(sizeof *text);
-    if (!text) return cli_out_of_memory();
-    report_text_begin(text, &merged->files, report);
-    const int status =
-        report_is_html(text) ? report_add_html(merged, text) : report_add_json(merged, text);
-    free(text);
-    return status;
-}
-
 static const char *kind_name(report_kind kind) {
     return kind == REPORT_HTML ? "HTML" : kind == REPORT_SARIF ? "SARIF" : "JSON";
 }
@@ -247,7 +386,7 @@ static int read_reports(report_merge *merged, const cli_words *words, cli_guard 
     for (size_t i = 0; i < words->count && !status; ++i) {
         const report_kind before = merged->kind;
         cli_guard_read(guard, words->words[i]);
-        status = read_report(merged, i);
+        status = report_read(merged, i);
         if (status || !before || before == merged->kind) continue;
         cli_error("%s: is %s, but the reports before it are %s; expected one format for all",
             words->words[i], kind_name(merged->kind), kind_name(before));
