@@ -18,13 +18,14 @@ enum { CHECK_FILES, CHECK_MESHES, CHECK_MATERIALS, CHECK_NODES, CHECK_LISTS };
 extern const char *const check_list_keys[CHECK_LISTS]; /* "files", ... */
 
 typedef struct check_override {
-    char **lists[CHECK_LISTS]; /* of each kind; NULL: all */
-    size_t first[CHECK_LISTS]; /* in matched of the configuration: the list's first pattern */
+    cli_value lists[CHECK_LISTS]; /* of each kind, arrays of strings; none: all */
+    size_t first[CHECK_LISTS];    /* in matched of the configuration: the list's first pattern */
     uint8_t severity[CHECK_RULES];
 } check_override;
 
 typedef struct check_config {
-    char *path;   /* NULL: no baseline */
+    char *path; /* NULL: there is none */
+    cli_parsed *text;
     char *folder; /* absolute: what patterns of files are relative to */
     norma_check_profile profile;
     int strict;  /* -1: not said */

@@ -157,31 +157,11 @@ static int read_severities(
     return 1;
 }
 
-static void free_words(char **words) {
-    for (size_t i = 0; words && words[i]; ++i) free(words[i]);
-    free(words);
-}
-
-static int read_patterns(
-    const check_config *config, const char *where, cli_value list, char ***patterns) {
-    size_t i = 0;
-    if (!cli_is_array(list))
-        return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
-    free_words(*patterns);
-    *patterns = calloc(cli_elements(list) + 1, sizeof **patterns);
-    if (!*patterns) return fail_config(config, where, "memory for it");
-    for (cli_value word = cli_first(list); word.in; word = cli_next(word), ++i) {
-        if (!cli_string(word))
-            return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
-        (*patterns)[i] = strdup(cli_string(word));
-        if (!(*patterns)[i]) return fail_config(config, where, "memory for it");
-    }
-    return 1;
-}
-
-static void turn_off(const uint8_t *mask, uint8_t *severity) {
-    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-        if (mask[rule]) severity[rule] = CHECK_SEVERITY_OFF;
+static int read_patterns(const check_config *config, const char *where, cli_value list) {
+    int fine = cli_is_array(list);
+    for (cli_value word = cli_first(list); word.in; word = cli_next(word))
+        fine = fine && cli_string(word);
+    return fine || fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
 }
 
 const char *const check_list_keys[CHECK_LISTS] = {"files", "meshes", "materials", "nodes"};
@@ -192,20 +172,22 @@ static int read_override(const check_config *config, cli_value table, check_over
         const char *key = cli_key(value);
         uint8_t ignore[CHECK_RULES] = {0};
         char where[40];
-        int fine = 0;
-        int list = 0;
+        int fine, list = 0;
         while (list < CHECK_LISTS && strcmp(key, check_list_keys[list]) != 0) ++list;
+        snprintf(where, sizeof where, "overrides: %s", key);
         if (list < CHECK_LISTS) {
-            snprintf(where, sizeof where, "overrides: %s", key);
-            fine = read_patterns(config, where, value, &override->lists[list]);
-        } else if (strcmp(key, "severity") == 0)
-            fine = read_severities(config, "overrides: severity", value, override->severity);
-        else if (strcmp(key, "ignore") == 0) {
-            fine = read_rules(config, "overrides: ignore", value, ignore);
-            turn_off(ignore, override->severity);
-        } else
+            override->lists[list] = value;
+            fine = read_patterns(config, where, value);
+        } else if (strcmp(key, "severity") == 0) {
+            fine = read_severities(config, where, value, override->severity);
+        } else if (strcmp(key, "ignore") == 0) {
+            fine = read_rules(config, where, value, ignore);
+            for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+                if (ignore[rule]) override->severity[rule] = CHECK_SEVERITY_OFF;
+        } else {
             fine =
                 fail_word(config, key, key, "files, meshes, materials, nodes, ignore or severity");
+        }
         if (!fine) return 0;
     }
     return 1;
@@ -216,24 +198,17 @@ static int make_pattern_marks(check_config *config) {
     for (size_t i = 0; i < config->override_count; ++i)
         for (int list = 0; list < CHECK_LISTS; ++list) {
             config->overrides[i].first[list] = config->pattern_count;
-            for (char *const *word = config->overrides[i].lists[list]; word && *word; ++word)
-                ++config->pattern_count;
+            config->pattern_count += cli_elements(config->overrides[i].lists[list]);
         }
-    if (!config->pattern_count) return 1;
+    ++config->pattern_count; /* never none */
     void *shared = mmap(
         NULL, config->pattern_count, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     config->matched = shared == MAP_FAILED ? NULL : shared;
     return config->matched != NULL;
 }
 
-static void free_pattern_marks(check_config *config) {
-    if (config->matched) munmap(config->matched, config->pattern_count);
-    config->matched = NULL;
-}
-
 static int read_overrides(check_config *config, cli_value list) {
     if (!cli_is_array(list)) return fail_config(config, "overrides", "a list of objects");
-    if (config->overrides) return fail_config(config, "overrides", "them once");
     config->overrides = calloc(cli_elements(list) + 1, sizeof *config->overrides);
     if (!config->overrides) return fail_config(config, "overrides", "memory for them");
     for (cli_value table = cli_first(list); table.in; table = cli_next(table))
@@ -275,9 +250,8 @@ static int read_key(check_config *config, const char *key, cli_value value) {
 
 static void free_config(check_config *config) {
     if (!config) return;
-    for (size_t i = 0; i < config->override_count; ++i)
-        for (int list = 0; list < CHECK_LISTS; ++list) free_words(config->overrides[i].lists[list]);
-    free_pattern_marks(config);
+    if (config->matched) munmap(config->matched, config->pattern_count);
+    cli_json_free(config->text);
     free(config->overrides);
     free(config->path);
     free(config->folder);
@@ -310,16 +284,15 @@ static check_config *read_config(const char *path) {
     config->strict = config->fail_on = -1;
     config->path = strdup(path);
     config->folder = absolute_folder_of(path);
-    cli_parsed *root = check_load_json(path, "a configuration in JSON"); /* last: errno stays */
-    int fine = config->path && config->folder && root;
-    if (root && (!config->path || !config->folder))
+    config->text = check_load_json(path, "a configuration in JSON"); /* last: errno stays */
+    int fine = config->path && config->folder && config->text;
+    if (config->text && !fine)
         without_memory();
-    else if (root && !cli_is_object(cli_json_root(root)))
+    else if (fine && !cli_is_object(cli_json_root(config->text)))
         fine = fail_config(config, "the file", "an object");
-    for (cli_value v = fine ? cli_first(cli_json_root(root)) : (cli_value){0}; v.in && fine;
+    for (cli_value v = fine ? cli_first(cli_json_root(config->text)) : (cli_value){0}; v.in && fine;
          v = cli_next(v))
         fine = read_key(config, cli_key(v), v);
-    cli_json_free(root);
     if (fine) return config;
     free_config(config);
     return NULL;

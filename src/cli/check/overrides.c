@@ -14,9 +14,9 @@ static int is_name_meant(const char *pattern, const char *name) {
     return strcmp(pattern, name) == 0 || cli_path_matches(pattern, name);
 }
 
-static int any_matches(char *const *patterns, const char *name) {
-    for (; name && *patterns; ++patterns)
-        if (is_name_meant(*patterns, name)) return 1;
+static int any_matches(cli_value patterns, const char *name) {
+    for (cli_value v = cli_first(patterns); name && v.in; v = cli_next(v))
+        if (is_name_meant(cli_string(v), name)) return 1;
     return 0;
 }
 
@@ -43,18 +43,18 @@ static const char *below_folder(const check_config *config, const char *path) {
 }
 
 static int is_file_meant(const check_names *names, const check_override *override) {
-    char *const *files = override->lists[CHECK_FILES];
-    return !files || any_matches(files, below_folder(names->config, names->path));
+    const cli_value files = override->lists[CHECK_FILES];
+    return !files.in || any_matches(files, below_folder(names->config, names->path));
 }
 
-static int is_material_meant(const check_names *names, char *const *patterns, size_t material) {
+static int is_material_meant(const check_names *names, cli_value patterns, size_t material) {
     norma_material_info info;
     return !norma_document_material_info(names->document, material, &info) &&
            any_matches(patterns, info.name);
 }
 
 /* Of an OBJ whose faces have several, all must be meant. */
-static int are_materials_meant(const check_names *names, char *const *patterns, size_t mesh) {
+static int are_materials_meant(const check_names *names, cli_value patterns, size_t mesh) {
     norma_mesh_attributes own;
     norma_mesh_data data;
     uint32_t last = UINT32_MAX;
@@ -70,7 +70,7 @@ static int are_materials_meant(const check_names *names, char *const *patterns, 
 }
 
 typedef struct node_meant {
-    char *const *patterns;
+    cli_value patterns;
     int is_meant;
 } node_meant;
 
@@ -79,7 +79,7 @@ static void mean_node(void *user, const char *name) {
     node->is_meant |= any_matches(node->patterns, name);
 }
 
-static int is_node_meant(char *const *patterns, const norma_node_info *info) {
+static int is_node_meant(cli_value patterns, const norma_node_info *info) {
     node_meant node = {patterns, 0};
     visit_names_of_node(info, mean_node, &node);
     return node.is_meant;
@@ -138,8 +138,7 @@ static int list_places(check_names *names, norma_document *document) {
 }
 
 /* What is wrong with a mesh is seen at every node that draws it: all of them must be meant. */
-static int are_nodes_meant(
-    const check_names *names, char *const *patterns, const check_place *place) {
+static int are_nodes_meant(const check_names *names, cli_value patterns, const check_place *place) {
     const check_place *at = names->places + names->place_count, *end = at + names->drawing_count;
     norma_node_info node;
     if (place->node != SIZE_MAX)
@@ -161,11 +160,11 @@ static int are_nodes_meant(
 
 int check_is_meant(
     check_names *names, const check_override *override, const norma_finding *finding) {
-    char *const *const *lists = (char *const *const *) override->lists;
+    const cli_value *lists = override->lists;
     norma_mesh_info info;
     size_t tile;
     if (!is_file_meant(names, override)) return 0;
-    if (!lists[CHECK_MESHES] && !lists[CHECK_MATERIALS] && !lists[CHECK_NODES]) return 1;
+    if (!lists[CHECK_MESHES].in && !lists[CHECK_MATERIALS].in && !lists[CHECK_NODES].in) return 1;
     const check_place wanted = {.where = check_where_in_tile(finding->where, &tile)};
     const check_names own = {.config = names->config,
         .path = names->path,
@@ -175,10 +174,10 @@ int check_is_meant(
     const check_place *place =
         bsearch(&wanted, names->places, names->place_count, sizeof wanted, compare_where);
     if (!place || norma_document_mesh_info(own.document, place->primitive, &info)) return 0;
-    return (!lists[CHECK_MESHES] || any_matches(lists[CHECK_MESHES], info.name)) &&
-           (!lists[CHECK_MATERIALS] ||
+    return (!lists[CHECK_MESHES].in || any_matches(lists[CHECK_MESHES], info.name)) &&
+           (!lists[CHECK_MATERIALS].in ||
                are_materials_meant(&own, lists[CHECK_MATERIALS], place->primitive)) &&
-           (!lists[CHECK_NODES] || are_nodes_meant(names, lists[CHECK_NODES], place));
+           (!lists[CHECK_NODES].in || are_nodes_meant(names, lists[CHECK_NODES], place));
 }
 
 /* ---- which patterns match something */
@@ -205,14 +204,15 @@ static void visit_names(const check_names *names, int list, see_name *see, void 
 }
 
 typedef struct name_marks {
-    char *const *patterns;
+    cli_value patterns;
     unsigned char *matched;
 } name_marks;
 
 static void mark_name(void *user, const char *name) {
     const name_marks *marks = user;
-    for (size_t i = 0; name && marks->patterns[i]; ++i)
-        if (!marks->matched[i] && is_name_meant(marks->patterns[i], name)) marks->matched[i] = 1;
+    unsigned char *mark = marks->matched;
+    for (cli_value v = cli_first(marks->patterns); name && v.in; v = cli_next(v), ++mark)
+        if (!*mark && is_name_meant(cli_string(v), name)) *mark = 1;
 }
 
 void check_mark_names(const check_names *names) {
@@ -222,11 +222,11 @@ void check_mark_names(const check_names *names) {
         for (int list = 0; list < CHECK_LISTS; ++list) {
             name_marks marks = {
                 override->lists[list], names->config->matched + override->first[list]};
-            if (!marks.patterns || (!is_meant && list != CHECK_FILES)) continue;
+            if (!marks.patterns.in || (!is_meant && list != CHECK_FILES)) continue;
             if (names->document || list == CHECK_FILES)
                 visit_names(names, list, mark_name, &marks);
             else /* its names are not known */
-                for (size_t k = 0; marks.patterns[k]; ++k) marks.matched[k] = 1;
+                memset(marks.matched, 1, cli_elements(marks.patterns));
         }
     }
 }
@@ -307,13 +307,14 @@ static void find_nearest_name(const check_configs *configs, const cli_inputs *in
 
 static void warn_of_list(const check_configs *configs, const cli_inputs *inputs,
     const check_config *config, const check_override *override, int list) {
-    if (override->lists[list] && !override->lists[list][0])
+    const unsigned char *matched = config->matched + override->first[list];
+    if (override->lists[list].in && !cli_elements(override->lists[list]))
         cli_error("%s: overrides: %s: the list is empty, so this override applies to nothing",
             config->path, check_list_keys[list]);
-    for (size_t i = 0; override->lists[list] && override->lists[list][i]; ++i) {
-        const char *pattern = override->lists[list][i];
+    for (cli_value v = cli_first(override->lists[list]); v.in; v = cli_next(v)) {
+        const char *pattern = cli_string(v);
         nearest_name nearest;
-        if (config->matched[override->first[list] + i]) continue;
+        if (*matched++) continue;
         begin_nearest(&nearest, pattern);
         find_nearest_name(configs, inputs, override, list, config, &nearest);
         if (nearest.name[0])

@@ -14,29 +14,12 @@ typedef struct info_bounds {
     double least[3], most[3];
 } info_bounds;
 
-typedef struct off_by {
-    double p50_deg, p99_deg, max_deg;
-} off_by;
-
-typedef struct cli_explained {
-    norma_weight weight;
-    double crease_deg; /* NaN: smooth, one normal for each position */
-    int flat;
-    off_by off; /* between the stored normals and those that it gives */
-} cli_explained;
-
-typedef struct cli_explained_tangents {
-    norma_tangent_deviation deviation;
-    off_by off;
-} cli_explained_tangents;
-
 /* One primitive, or a whole OBJ, PLY or STL. */
 typedef struct mesh_part {
     norma_mesh_info info;
-    int closed; /* with --deep: 1 closed, 0 open; -1: not known */
-    int is_explained, has_explained_tangents;
-    cli_explained explained;
-    cli_explained_tangents tangents;
+    int closed;                /* with --deep: 1 closed, 0 open; -1: not known */
+    norma_deviation explained; /* with --deep; no corners: there are no normals to explain */
+    norma_tangent_deviation tangents;
 } mesh_part;
 
 typedef struct contents {
@@ -50,10 +33,6 @@ typedef struct contents {
     size_t node_count, skin_count;
     info_bounds bounds;
 } contents;
-
-static off_by off_in_degrees(double p50, double p99, double most) {
-    return (off_by){cli_to_degrees(p50), cli_to_degrees(p99), cli_to_degrees(most)};
-}
 
 /* ---- meshes: the primitives of one glTF mesh follow each other */
 
@@ -94,19 +73,25 @@ static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
 /* ---- for programs */
 
 /* Ends the object that is open. */
-static void write_off(cli_json *json, const off_by *off) {
-    cli_json_print(
-        json, "p50_deg: %g, p99_deg: %g, max_deg: %g}", off->p50_deg, off->p99_deg, off->max_deg);
+static void write_off(cli_json *json, double p50, double p99, double most) {
+    cli_json_print(json, "p50_deg: %g, p99_deg: %g, max_deg: %g}", cli_to_degrees(p50),
+        cli_to_degrees(p99), cli_to_degrees(most));
 }
 
-static void write_explained(cli_json *json, const cli_explained *explained) {
+/* Whole degrees went in; they come out so. NaN: smooth. */
+static double crease_in_degrees(const norma_deviation *explained) {
+    return rint(cli_to_degrees(explained->crease_angle_rad) * 1e6) / 1e6;
+}
+
+static void write_explained(cli_json *json, const norma_deviation *explained) {
+    const int is_flat = explained->shading == NORMA_SHADING_FLAT;
+    const double crease = crease_in_degrees(explained);
     cli_json_print(json, "explained_by: {shading: %s, weight: %s, crease_deg: %g",
-        explained->flat                ? "flat"
-        : isnan(explained->crease_deg) ? "smooth"
-                                       : "crease",
-        explained->flat ? NULL : norma_weight_name(explained->weight),
-        explained->flat ? NAN : explained->crease_deg);
-    write_off(json, &explained->off);
+        is_flat         ? "flat"
+        : isnan(crease) ? "smooth"
+                        : "crease",
+        is_flat ? NULL : norma_weight_name(explained->weight), is_flat ? NAN : crease);
+    write_off(json, explained->p50_rad, explained->p99_rad, explained->max_rad);
 }
 
 static const char *way_word(norma_tangent_source source) {
@@ -123,23 +108,21 @@ static const char *way_word(norma_tangent_source source) {
 /* Under the tangents that a renderer makes in this way. */
 static void write_map_error(
     cli_json *json, norma_tangent_source renderer, const norma_map_error *error) {
-    const off_by off = off_in_degrees(error->p50_rad, error->p99_rad, error->max_rad);
     cli_json_open(json, way_word(renderer), '{');
-    write_off(json, &off);
+    write_off(json, error->p50_rad, error->p99_rad, error->max_rad);
 }
 
-static void write_explained_tangents(cli_json *json, const cli_explained_tangents *explained) {
-    const norma_tangent_deviation *deviation = &explained->deviation;
+static void write_explained_tangents(cli_json *json, const norma_tangent_deviation *explained) {
     cli_json_print(json,
         "tangents_explained_by: {way: %s, texture_transform: %d, sign: %s, signs_other: %zu, "
         "corners: %zu, explained: %zu, p50_deg: %g, p99_deg: %g, max_deg: %g, map_error: {",
-        way_word(deviation->source), deviation->transformed,
-        deviation->negated ? "negated" : "as-is", deviation->signs_other, deviation->corners,
-        deviation->explained, explained->off.p50_deg, explained->off.p99_deg,
-        explained->off.max_deg);
-    write_map_error(json, NORMA_TANGENTS_BY_MIKK, &deviation->under_mikk);
-    write_map_error(json, NORMA_TANGENTS_BY_MESHOPT, &deviation->under_meshopt);
-    write_map_error(json, NORMA_TANGENTS_BY_VERTEX_SUMS, &deviation->under_vertex_sums);
+        way_word(explained->source), explained->transformed,
+        explained->negated ? "negated" : "as-is", explained->signs_other, explained->corners,
+        explained->explained, cli_to_degrees(explained->p50_rad),
+        cli_to_degrees(explained->p99_rad), cli_to_degrees(explained->max_rad));
+    write_map_error(json, NORMA_TANGENTS_BY_MIKK, &explained->under_mikk);
+    write_map_error(json, NORMA_TANGENTS_BY_MESHOPT, &explained->under_meshopt);
+    write_map_error(json, NORMA_TANGENTS_BY_VERTEX_SUMS, &explained->under_vertex_sums);
     cli_json_print(json, "}}");
 }
 
@@ -152,8 +135,8 @@ static void write_info_part(cli_json *json, const mesh_part *part) {
         info->encoding, info->has_tangents, info->has_smoothing_groups, info->morph_targets,
         info->compression, info->not_read);
     if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
-    if (part->is_explained) write_explained(json, &part->explained);
-    if (part->has_explained_tangents) write_explained_tangents(json, &part->tangents);
+    if (part->explained.corners) write_explained(json, &part->explained);
+    if (part->tangents.corners) write_explained_tangents(json, &part->tangents);
     cli_json_close(json, '}');
 }
 
@@ -240,50 +223,50 @@ static void print_name(const char *name) {
     fputc('"', stdout);
 }
 
-static void print_off(const off_by *off) {
+static void print_off(double p50_rad, double p99_rad, double max_rad) {
     char p50[32], p99[32], most[32];
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most",
-        cli_decimals(p50, off->p50_deg, 3), cli_decimals(p99, off->p99_deg, 3),
-        cli_decimals(most, off->max_deg, 3));
+        cli_decimals(p50, cli_to_degrees(p50_rad), 3),
+        cli_decimals(p99, cli_to_degrees(p99_rad), 3),
+        cli_decimals(most, cli_to_degrees(max_rad), 3));
 }
 
-static void print_explained(const cli_explained *explained) {
-    char crease[32];
+static void print_explained(const norma_deviation *explained) {
+    char text[32];
+    const double crease = crease_in_degrees(explained);
     fputs("      stored normals are best explained by ", stdout);
-    if (explained->flat)
+    if (explained->shading == NORMA_SHADING_FLAT)
         fputs("flat shading", stdout);
-    else if (isnan(explained->crease_deg))
+    else if (isnan(crease))
         printf("%s weights, smooth", norma_weight_name(explained->weight));
     else
         printf("%s weights, crease %s\302\260", norma_weight_name(explained->weight),
-            cli_decimals(crease, explained->crease_deg, 3));
-    print_off(&explained->off);
+            cli_decimals(text, crease, 3));
+    print_off(explained->p50_rad, explained->p99_rad, explained->max_rad);
     putchar('\n');
 }
 
 static void print_map_error(norma_tangent_source renderer, const norma_map_error *error) {
-    const off_by off = off_in_degrees(error->p50_rad, error->p99_rad, error->max_rad);
     printf("      a normal map baked for these, if a renderer makes tangents by %s",
         norma_tangent_source_name(renderer));
-    print_off(&off);
+    print_off(error->p50_rad, error->p99_rad, error->max_rad);
     putchar('\n');
 }
 
-static void print_explained_tangents(const cli_explained_tangents *explained) {
-    const norma_tangent_deviation *deviation = &explained->deviation;
+static void print_explained_tangents(const norma_tangent_deviation *explained) {
     printf("      stored tangents are best explained by %s%s, sign %s",
-        norma_tangent_source_name(deviation->source),
-        deviation->transformed ? " through the texture transform" : "",
-        deviation->negated ? "negated" : "as it is");
-    print_off(&explained->off);
+        norma_tangent_source_name(explained->source),
+        explained->transformed ? " through the texture transform" : "",
+        explained->negated ? "negated" : "as it is");
+    print_off(explained->p50_rad, explained->p99_rad, explained->max_rad);
     fputs("; ", stdout);
-    cli_count(stdout, deviation->explained);
+    cli_count(stdout, explained->explained);
     fputs(" of ", stdout);
-    cli_counted(stdout, deviation->corners, "corner", "corners");
+    cli_counted(stdout, explained->corners, "corner", "corners");
     fputs(" explained\n", stdout);
-    print_map_error(NORMA_TANGENTS_BY_MIKK, &deviation->under_mikk);
-    print_map_error(NORMA_TANGENTS_BY_MESHOPT, &deviation->under_meshopt);
-    print_map_error(NORMA_TANGENTS_BY_VERTEX_SUMS, &deviation->under_vertex_sums);
+    print_map_error(NORMA_TANGENTS_BY_MIKK, &explained->under_mikk);
+    print_map_error(NORMA_TANGENTS_BY_MESHOPT, &explained->under_meshopt);
+    print_map_error(NORMA_TANGENTS_BY_VERTEX_SUMS, &explained->under_vertex_sums);
 }
 
 static void print_part(const mesh_part *part) {
@@ -310,8 +293,8 @@ static void print_part(const mesh_part *part) {
         cli_say(stdout, "      cannot be computed or transformed: %s", info->not_read);
         fputs("\n", stdout);
     }
-    if (part->is_explained) print_explained(&part->explained);
-    if (part->has_explained_tangents) print_explained_tangents(&part->tangents);
+    if (part->explained.corners) print_explained(&part->explained);
+    if (part->tangents.corners) print_explained_tangents(&part->tangents);
 }
 
 /* Of a glTF file. */
@@ -477,50 +460,25 @@ static norma_document_result fail_search(
     return error->result;
 }
 
-/* Whole degrees went in; they come out so. */
-static double whole_degrees(double radians) {
-    return isnan(radians) ? radians : rint(cli_to_degrees(radians) * 1e6) / 1e6;
-}
-
-/* 1 if there were normals to explain. */
-static int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
-    cli_explained *explained, norma_document_result *result, norma_document_error *error) {
-    norma_mesh_info info;
-    norma_mesh_data data;
-    norma_deviation deviation;
-    const norma_options options = {.struct_size = sizeof options, .threads = threads};
-    *result = norma_document_mesh_info(document, mesh, &info);
-    if (*result || info.not_read || info.normals == NORMA_NORMALS_NONE || info.faces == 0) return 0;
-    *result = norma_document_mesh_data(document, mesh, &data, error);
-    if (*result) return 0;
-    norma_result failed = norma_explain_normals(&data, info.normals, &options, &deviation);
-    if (failed) *result = fail_search(error, "normals", failed);
-    if (failed || !deviation.corners) return 0;
-    *explained = (cli_explained){.weight = deviation.weight,
-        .crease_deg = whole_degrees(deviation.crease_angle_rad),
-        .flat = deviation.shading == NORMA_SHADING_FLAT,
-        .off = off_in_degrees(deviation.p50_rad, deviation.p99_rad, deviation.max_rad)};
-    return 1;
-}
-
-/* 1 if there were tangents to explain. */
-static int cli_explain_tangents(norma_document *document, size_t mesh, uint32_t threads,
-    cli_explained_tangents *explained, norma_document_result *result, norma_document_error *error) {
+static norma_document_result explain_part(norma_document *document, size_t mesh, uint32_t threads,
+    mesh_part *part, norma_document_error *error) {
     norma_mesh_info info;
     norma_mesh_data data;
     norma_mesh_attributes attributes;
-    norma_tangent_deviation *deviation = &explained->deviation;
+    norma_result failed = NORMA_OK;
     const norma_options options = {.struct_size = sizeof options, .threads = threads};
-    *result = norma_document_mesh_info(document, mesh, &info);
-    if (*result || info.not_read || !info.has_tangents || info.faces == 0) return 0;
-    *result = norma_document_mesh_data(document, mesh, &data, error);
-    if (!*result) *result = norma_document_mesh_attributes(document, mesh, &attributes, error);
-    if (*result) return 0;
-    const norma_result failed = norma_explain_tangents(&data, &attributes, &options, deviation);
-    if (failed) *result = fail_search(error, "tangents", failed);
-    if (failed || !deviation->corners) return 0;
-    explained->off = off_in_degrees(deviation->p50_rad, deviation->p99_rad, deviation->max_rad);
-    return 1;
+    norma_document_result result = norma_document_mesh_info(document, mesh, &info);
+    const int has_normals = !result && info.normals != NORMA_NORMALS_NONE;
+    if (result || info.not_read || !info.faces || (!has_normals && !info.has_tangents))
+        return result;
+    result = norma_document_mesh_data(document, mesh, &data, error);
+    if (!result && has_normals)
+        failed = norma_explain_normals(&data, info.normals, &options, &part->explained);
+    if (failed) return fail_search(error, "normals", failed);
+    if (result || !info.has_tangents) return result;
+    result = norma_document_mesh_attributes(document, mesh, &attributes, error);
+    if (!result) failed = norma_explain_tangents(&data, &attributes, &options, &part->tangents);
+    return failed ? fail_search(error, "tangents", failed) : result;
 }
 
 /* ---- What is in a file that does not fit into memory: counted piece by piece. */
@@ -619,12 +577,7 @@ static norma_document_result read_contents(const info_work *work, int whole,
     for (size_t i = 0; i < found->part_count && !result; ++i) {
         mesh_part *part = &found->parts[i];
         part->closed = -1;
-        if (work->deep)
-            part->is_explained = cli_explain_normals(
-                document, i, work->common.threads, &part->explained, &result, error);
-        if (work->deep && !result)
-            part->has_explained_tangents = cli_explain_tangents(
-                document, i, work->common.threads, &part->tangents, &result, error);
+        if (work->deep) result = explain_part(document, i, work->common.threads, part, error);
         if (!result) result = norma_document_mesh_info(document, i, &part->info);
         found->vertices += part->info.vertices;
         found->faces += part->info.faces;
