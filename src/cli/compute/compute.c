@@ -198,14 +198,6 @@ static norma_document_result compute_some(
     return norma_together_compute(run->files + run->done, run->at_once, &together, &options, error);
 }
 
-static void report_file(const joint_run *run, compute_work *work, size_t file) {
-    const norma_file_format format = run->files[file].format;
-    const joint_file *own = &run->own[file];
-    work->summary = own->summary;
-    work->format = format ? format : norma_file_format_of_path(run->files[file].input);
-    cli_report_grown(run->all, run->files[file].input, own->output, own->before, (double)own->size);
-}
-
 /* Files that were computed at once have one error: then none of them was written. */
 static void report_some(joint_run *run, compute_work *work, norma_document_error *error) {
     cli_progress_hide(&run->progress);
@@ -214,11 +206,14 @@ static void report_some(joint_run *run, compute_work *work, norma_document_error
         cli_print_error(error);
     } else
         report_locks(run);
-    for (size_t i = run->done; i < run->done + run->at_once; ++i)
-        if (!error->result)
-            report_file(run, work, i);
-        else if (run->all->common->json)
-            cli_report_changed(run->all, run->files[i].input, NULL, error);
+    for (size_t i = run->done; i < run->done + run->at_once; ++i) {
+        const norma_together_file *file = &run->files[i];
+        const joint_file *own = &run->own[i];
+        const double bytes[2] = {own->before, (double)own->size};
+        work->summary = own->summary;
+        work->format = file->format ? file->format : norma_file_format_of_path(file->input);
+        cli_report_changed(run->all, file->input, own->output, bytes, error);
+    }
 }
 
 /* All files at once, or by votes one after the other: then one that fails does not stop the others.
@@ -257,10 +252,10 @@ static int run_all(joint_run *run, compute_work *work) {
 }
 
 /* All files, as cli_changer.all. */
-static int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
-    joint_run run = {.all = all, .count = all->files->inputs.count, .work = changer->work};
+static int compute_all_together(const cli_all_files *all) {
+    joint_run run = {.all = all, .count = all->files->inputs.count, .work = all->changer->work};
     if (compute_refuse_moved(&all->files->inputs)) return CLI_FILE;
-    const int status = make_run(&run) ? run_all(&run, changer->work) : cli_out_of_memory();
+    const int status = make_run(&run) ? run_all(&run, all->changer->work) : cli_out_of_memory();
     free_run(&run);
     return status;
 }

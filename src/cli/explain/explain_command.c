@@ -49,31 +49,18 @@ static void write_fix(const norma_rule *rule) {
 }
 
 /* At most 100 columns. */
-static void print_paragraph(const char *label, const char *text) {
-    size_t column = (size_t)printf("%s", label);
-    while (*text) {
-        size_t length = strcspn(text, " ");
-        if (column && column + 1 + length > 100) {
-            putchar('\n');
-            column = 0;
-        }
-        column += (size_t)printf("%s%.*s", column ? " " : "", (int)length, text);
-        text += length + (text[length] == ' ');
-    }
+static void print_paragraph(const char *text) {
+    cli_write_wrapped(stdout, text, 100, 0);
     putchar('\n');
 }
 
 static void print_rule(const norma_rule *rule) {
+    char cause[1000];
+    snprintf(cause, sizeof cause, "Usual cause: %s", rule->cause);
     printf("%s %s: ", rule->id, rule->name);
     write_severities(rule);
-    fputs("\n\n", stdout);
-    print_paragraph("", rule->what);
-    putchar('\n');
-    print_paragraph("Usual cause:", rule->cause);
-    putchar('\n');
-    print_paragraph("", rule->why);
-    putchar('\n');
-    print_paragraph("", rule->how);
+    const char *const paragraphs[] = {"", "", rule->what, "", cause, "", rule->why, "", rule->how};
+    for (size_t i = 0; i < CLI_COUNT(paragraphs); ++i) print_paragraph(paragraphs[i]);
     write_fix(rule);
     printf("Found by the glTF validator: %s\n", rule->validator);
 }

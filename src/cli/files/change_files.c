@@ -242,19 +242,14 @@ static file_job job_of(const cli_all_files *all, const char *input, const char *
         .output = output};
 }
 
-void cli_report_grown(
-    const cli_all_files *all, const char *input, const char *output, double before, double after) {
-    const norma_document_error none = {0};
-    file_job job = job_of(all, input, output);
-    job.before = before;
-    job.after = (uint64_t)after;
-    report_change(&job, NULL, &none);
-}
-
 void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
-    const norma_document_error *error) {
-    const file_job job = job_of(all, input, output);
-    report_change_json(&job, NULL, error);
+    const double bytes[2], const norma_document_error *error) {
+    file_job job = job_of(all, input, output);
+    if (error->result && all->common->json) report_change_json(&job, NULL, error);
+    if (error->result) return;
+    job.before = bytes[0];
+    job.after = (uint64_t)bytes[1];
+    report_change(&job, NULL, error);
 }
 
 /* Of a file larger than memory. */
@@ -319,7 +314,7 @@ static int change_files(const cli_subcommand *command, const cli_common *common,
     if (placed) return placed;
     if (changer->all && changer->takes_all(changer->work)) {
         const cli_all_files all = {command, common, files, changer};
-        return cli_finish(cli_worse(status, status ? CLI_OK : changer->all(&all, changer)));
+        return cli_finish(cli_worse(status, status ? CLI_OK : changer->all(&all)));
     }
     file_job job = {.common = common, .files = files, .changer = changer};
     const cli_each each = {files->inputs.count, change_one, report_lost_change, &job, files->guard};

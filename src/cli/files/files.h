@@ -212,7 +212,7 @@ struct cli_changer {
     /* Once all options are read: a status. */
     int (*prepare)(const cli_subcommand *command, void *work, uint32_t threads); /* or NULL */
     /* NULL, or all files at once, where takes_all says so after prepare. A status. */
-    int (*all)(const cli_all_files *all, const cli_changer *changer);
+    int (*all)(const cli_all_files *all);
     int (*takes_all)(const void *work);
 };
 
@@ -223,12 +223,10 @@ int cli_run_changer(const cli_subcommand *command, const cli_changer *changer,
     const cli_table *tables, size_t table_count, int count, char **arguments);
 
 /* The line, or the JSON object, about a file of a batch that was changed as a whole, by what
- * changer->work holds of it; before, after: its bytes, those of the files that it names among them,
- * 0 where they are not known. And for programs, of one that was not changed. */
-void cli_report_grown(
-    const cli_all_files *all, const char *input, const char *output, double before, double after);
+ * changer->work holds of it; of one that was not, whose error was printed, the object alone. bytes:
+ * before and after, those of the files that it names among them, 0 where they are not known. */
 void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
-    const norma_document_error *error);
+    const double bytes[2], const norma_document_error *error);
 
 /* ---- Files that do not fit into memory, changed piece by piece (change_files.c). */
 

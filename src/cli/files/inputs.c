@@ -98,12 +98,16 @@ static void add(cli_guard *guard, const struct stat *status, const char *named_b
     guard->sources[guard->count++] = (source){status->st_dev, status->st_ino, copy};
 }
 
-void cli_guard_read(cli_guard *guard, const char *path) {
+static void add_source(cli_guard *guard, const char *path, const char *named_by) {
     struct stat status;
-    if (!guard || !regular_file(path, STDIN_FILENO, &status)) return;
+    if (!regular_file(path, STDIN_FILENO, &status)) return;
     pthread_mutex_lock(&guard->lock);
-    add(guard, &status, NULL);
+    add(guard, &status, named_by);
     pthread_mutex_unlock(&guard->lock);
+}
+
+void cli_guard_read(cli_guard *guard, const char *path) {
+    if (guard) add_source(guard, path, NULL);
 }
 
 typedef struct named {
@@ -113,11 +117,7 @@ typedef struct named {
 
 static int add_named(void *user, const char *path) {
     const named *names = user;
-    struct stat status;
-    if (!regular_file(path, STDIN_FILENO, &status)) return 0;
-    pthread_mutex_lock(&names->guard->lock);
-    add(names->guard, &status, names->by);
-    pthread_mutex_unlock(&names->guard->lock);
+    add_source(names->guard, path, names->by);
     return 0;
 }
 
@@ -215,9 +215,7 @@ static int refuse_source(const cli_guard *guard, const char *output, const sourc
 int cli_guard_output(cli_guard *guard, const char *output, const char *own) {
     struct stat status, of_own;
     if (!guard || !regular_file(output, STDOUT_FILENO, &status)) return CLI_OK;
-    if (own && regular_file(own, STDIN_FILENO, &of_own) && of_own.st_dev == status.st_dev &&
-        of_own.st_ino == status.st_ino)
-        return CLI_OK;
+    if (own && regular_file(own, STDIN_FILENO, &of_own) && is_one(&of_own, &status)) return CLI_OK;
     pthread_mutex_lock(&guard->lock);
     guard->watches = 1;
     const source *found = find(guard, &status);
