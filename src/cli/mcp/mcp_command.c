@@ -58,7 +58,7 @@ typedef struct waiting_call {
 typedef struct captured {
     int descriptor; /* -1: it has ended */
     char *bytes;    /* with a 0 behind them */
-    size_t size, room;
+    size_t size, room, taken;
 } captured;
 
 typedef struct mcp_server {
@@ -79,6 +79,7 @@ typedef struct mcp_server {
     cli_worker worker;
     captured out, err, channel;
     double told_progress;
+    int status; /* of the subcommand; -1: not known yet */
     struct timespec cancelled_at;
     int killed;
 } mcp_server;
@@ -298,8 +299,8 @@ static void forget_captured(captured *from) {
     *from = (captured){.descriptor = -1};
 }
 
-/* The subcommand with its own standard streams; its status goes behind the fractions of progress,
- * above all of them. */
+/* The subcommand with its own standard streams; its status goes behind the fractions of progress.
+ */
 static _Noreturn void mcp_run_in_worker(
     const mcp_server *server, const int out[2], const int err[2]) {
     const mcp_request *request = &server->call.request;
@@ -342,6 +343,7 @@ static void begin_call(mcp_server *server) {
         server->waiting, server->waiting + 1, --server->waiting_count * sizeof server->waiting[0]);
     server->cancelled = server->killed = 0;
     server->told_progress = 0;
+    server->status = -1;
     if (!read_call(server)) {
         refuse_call(server->call.id, server->call.request.fault, server->call.modern);
         free_call(&server->call);
@@ -366,11 +368,17 @@ static void begin_call(mcp_server *server) {
     server->running = 1;
 }
 
-static void send_progress(mcp_server *server) {
+/* What the worker sends: fractions of its progress, and its status behind them, above all of them.
+ */
+static void take_progress(mcp_server *server) {
+    captured *channel = &server->channel;
     double last = server->told_progress, value;
-    for (size_t at = 0; at + sizeof value <= server->channel.size; at += sizeof value) {
-        memcpy(&value, server->channel.bytes + at, sizeof value);
-        if (value <= 1 && value > last) last = value;
+    for (; channel->taken + sizeof value <= channel->size; channel->taken += sizeof value) {
+        memcpy(&value, channel->bytes + channel->taken, sizeof value);
+        if (value >= 1000)
+            server->status = (int)value - 1000;
+        else if (value <= 1 && value > last)
+            last = value;
     }
     if (last <= server->told_progress || server->cancelled || !server->call.progress_token) return;
     server->told_progress = last;
@@ -379,16 +387,6 @@ static void send_progress(mcp_server *server) {
     cli_json_raw(&json, "progressToken", server->call.progress_token);
     cli_json_print(&json, "progress: %g, total: 1}", last);
     end_message(&json);
-}
-
-/* -1: none came. */
-static int status_sent(const captured *channel) {
-    double value;
-    for (size_t at = 0; at + sizeof value <= channel->size; at += sizeof value) {
-        memcpy(&value, channel->bytes + at, sizeof value);
-        if (value >= 1000) return (int)value - 1000;
-    }
-    return -1;
 }
 
 static void answer_resource(mcp_server *server) {
@@ -411,14 +409,13 @@ static void answer_call(mcp_server *server, const mcp_printed *printed) {
 
 static void end_call(mcp_server *server) {
     char why[CLI_WHY_ROOM];
-    const int status = status_sent(&server->channel);
     const int fine = cli_worker_wait(&server->worker, 1, why);
     const mcp_printed printed = {.out = server->out.bytes,
         .err = server->err.bytes,
         .out_size = server->out.size,
         .err_size = server->err.size,
-        .status = status,
-        .lost = fine && status >= 0               ? NULL
+        .status = server->status,
+        .lost = fine && server->status >= 0       ? NULL
                 : server->out.size > MOST_PRINTED ? "the answer would be larger than 64 MB"
                                                   : why};
     if (!server->cancelled) answer_call(server, &printed); /* else nobody waits for it */
@@ -606,7 +603,7 @@ static void serve(mcp_server *server) {
         for (size_t i = 0; i < 3; ++i)
             if (polled[i + 1].fd >= 0 && polled[i + 1].revents) read_captured(from[i]);
         if (!server->running) continue;
-        send_progress(server);
+        take_progress(server);
         insist(server);
         if (server->out.descriptor < 0 && server->err.descriptor < 0 &&
             server->channel.descriptor < 0)
