@@ -143,7 +143,7 @@ typedef struct check_report {
     const check_settings *settings;
     const char *path;  /* as it was named */
     const char *shown; /* to people; for each form, once check_write_file has it */
-    const char *page;  /* the address of the page that shows the file; NULL: none */
+    const char *page;  /* what settings->page shows of it (below); NULL: nothing */
     const char *view;  /* else the command that makes one; NULL: none */
     norma_check_profile profile;
     const char *status; /* "checked", "partly", "unreadable" */
@@ -185,7 +185,7 @@ typedef struct check_totals {
 } check_totals;
 
 /* The forms of a report. file is called by several threads at once, each with an own out; begin and
- * end by one. */
+ * end by one; NULL: they write nothing. */
 typedef struct check_format {
     const char *name;
     void (*begin)(FILE *out, const check_settings *settings);
@@ -260,11 +260,8 @@ const check_format *check_format_of_name(const char *path); /* by its ending; NU
 void check_write_shard(cli_json *json, const check_settings *settings);
 /* whole: what norma report needs to put pages together, too. */
 void check_write_counts(cli_json *json, const check_totals *totals, int whole);
-/* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
-void check_write_bytes(FILE *out, const char *path);
-/* findings_data.c: letters, digits and the characters of kept stay; all else is percent-encoded.
- * What does not fit into size bytes is cut off. */
-void check_spell_uri(const char *text, const char *kept, char *uri, size_t size);
+/* Percent-encoded, but for letters, digits and the characters of kept. */
+void check_write_uri(FILE *out, const char *text, const char *kept);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
 /* ---- what the forms ask (findings_text.c) */

@@ -352,7 +352,7 @@ static int check_files(check_work *work, check_configs *configs, int found) {
     if (streams) /* the mended file has standard output */
         output.out = stderr;
     choose_style(work, output.out);
-    work->format->begin(output.out, &work->settings);
+    if (work->format->begin) work->format->begin(output.out, &work->settings);
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (!work->settings.quiet) check_warn_unmatched(configs, &work->files.inputs);
     totals.incomplete |= found != CLI_OK;
@@ -362,13 +362,13 @@ static int check_files(check_work *work, check_configs *configs, int found) {
     if (status == CLI_USAGE) {
         /* What has gone to standard output or a pipe must be whole for a program that reads it. */
         if (output.passes_on && work->format != &check_format_text &&
-            work->format != &check_format_quiet)
+            work->format != &check_format_quiet && work->format->end)
             work->format->end(output.out, &totals, &work->settings);
         check_list_free(&list);
         if (!streams) cli_output_drop(&output);
         return status;
     }
-    work->format->end(output.out, &totals, &work->settings);
+    if (work->format->end) work->format->end(output.out, &totals, &work->settings);
     check_list_free(&list);
     return cli_worse(status, streams ? cli_finish(CLI_OK) : cli_output_end(&output));
 }

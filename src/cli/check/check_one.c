@@ -449,32 +449,22 @@ static void report_unreadable(
     check_write_file(&report, format, out, totals);
 }
 
-/* ---- The page that shows the file: norma.html opens it; of a folder, which ends in a slash, the
- * page that norma view --out-dir made for it. Standard input has no address. */
+/* ---- The page that shows the file: norma.html; of a folder, which ends in a slash, the page that
+ * norma view --out-dir made for it. */
 
 int check_page_is_folder(const check_settings *settings) {
     const size_t length = settings->page ? strlen(settings->page) : 0;
     return length && settings->page[length - 1] == '/';
 }
 
-static char *address_of_page(const file_check *check) {
-    static const char kept[] = "-._~/";
-    const char *page = check->settings->page;
-    if (!page || strcmp(check->path, "-") == 0) return NULL;
-    const size_t length = strlen(page);
-    const int is_folder = check_page_is_folder(check->settings);
-    cli_files places = *check->settings->files;
+/* NULL: standard input, which has no address, or memory is out. */
+static char *name_on_page(const file_check *check) {
+    const check_settings *settings = check->settings;
+    if (!settings->page || strcmp(check->path, "-") == 0) return NULL;
+    cli_files places = *settings->files;
     places.output = NULL, places.folder = "";
-    char *name = is_folder ? cli_output_of(&places, check->index, ".html") : NULL;
-    const char *of = is_folder ? name : check_shown_path(check->path);
-    const size_t size = length + (of ? 3 * strlen(of) : 0) + sizeof "?src=" + 4;
-    char *address = of ? malloc(size) : NULL;
-    if (address) {
-        const int begun = snprintf(address, size, "%s%s", page, is_folder ? "" : "?src=");
-        check_spell_uri(of, kept, address + begun, size - (size_t)begun);
-    }
-    free(name);
-    return address;
+    return check_page_is_folder(settings) ? cli_output_of(&places, check->index, ".html")
+                                          : strdup(check_shown_path(check->path));
 }
 
 /* ---- beside its reference */
@@ -526,7 +516,7 @@ static void report_findings(
         report_unreadable(check, format, out, totals);
         return;
     }
-    char *page = address_of_page(check);
+    char *page = name_on_page(check);
     check_report report = {.settings = check->settings,
         .path = check->path,
         .page = page,

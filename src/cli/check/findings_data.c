@@ -90,7 +90,7 @@ static void write_json_file(FILE *out, const check_report *report) {
     cli_json_print(&json, "{path: %s", report->path);
     if (!cli_is_utf8(report->path)) {
         fputs(", \"path_bytes\": \"", out);
-        check_write_bytes(out, report->path);
+        check_write_uri(out, report->path, "-._~/");
         fputc('"', out);
     }
     if (report->fail_on != (int)NORMA_SEVERITY_ERROR)
@@ -156,25 +156,14 @@ static void begin_sarif(FILE *out, const check_settings *settings) {
     cli_json_print(&json, "results: [\n");
 }
 
-void check_spell_uri(const char *text, const char *kept, char *uri, size_t size) {
-    size_t used = 0;
-    for (const unsigned char *at = (const unsigned char *)text; *at && used + 4 < size; ++at) {
-        const int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
-                          (*at >= '0' && *at <= '9') || strchr(kept, *at);
-        if (plain)
-            uri[used++] = (char)*at;
-        else
-            used += (size_t)snprintf(uri + used, size - used, "%%%02X", *at);
-    }
-    uri[used] = '\0';
-}
-
 static void write_location(
     cli_json *json, const check_report *report, const norma_finding *finding) {
-    char uri[4200];
-    check_spell_uri(strcmp(report->path, "-") ? report->path : "stdin", "-._~/!$&'()*+,;=@", uri,
-        sizeof uri); /* RFC 3986: of a path */
-    cli_json_print(json, "locations: [{physicalLocation: {artifactLocation: {uri: %s}}", uri);
+    cli_json_print(json, "locations: [{physicalLocation: {artifactLocation: {");
+    fputs("\"uri\": \"", json->out);
+    check_write_uri(json->out, strcmp(report->path, "-") ? report->path : "stdin",
+        "-._~/!$&'()*+,;=@"); /* RFC 3986: of a path */
+    fputs("\"}}", json->out);
+    json->needs_comma = 1;
     if (finding->where[0])
         cli_json_print(
             json, "logicalLocations: [{fullyQualifiedName: %s, kind: \"object\"}]", finding->where);

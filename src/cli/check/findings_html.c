@@ -159,14 +159,17 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
     fputs("</tbody></table>", out);
 }
 
-/* To the page, which shows the file and presses the finding. */
+/* To the page that shows the file and presses the finding: norma.html, which opens it, or the page
+ * that norma view made for it in a folder. */
 static void write_page_link(FILE *out, const check_report *report, const norma_finding *finding) {
-    char label[1024];
     if (!report->page) return;
-    check_spell_uri(finding->label, "-._~/", label, sizeof label);
     fputs(" <a class=\"place\" href=\"", out);
-    cli_write_outside_html(out, report->page);
-    fprintf(out, "#finding=%s:%s\">Look at it</a>", finding->rule->id, label);
+    cli_write_outside_html(out, report->settings->page);
+    if (!check_page_is_folder(report->settings)) fputs("?src=", out);
+    check_write_uri(out, report->page, "-._~/");
+    fprintf(out, "#finding=%s:", finding->rule->id);
+    check_write_uri(out, finding->label, "-._~/");
+    fputs("\">Look at it</a>", out);
 }
 
 static void write_place(FILE *out, const check_report *report, const check_item *item) {
@@ -318,7 +321,7 @@ static void write_html_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
     const int is_clean = check_is_clean(report), folds = report->settings->file_count > 1;
     fputs(CHECK_HTML_FILE, out);
-    check_write_bytes(out, report->path);
+    check_write_uri(out, report->path, "-._~/");
     fprintf(out, CHECK_HTML_STATUS "%s%s>", report->status, items_of(report, NORMA_SEVERITY_ERROR),
         items_of(report, NORMA_SEVERITY_WARNING), check_fails(report) ? CHECK_HTML_FAILS : "",
         is_clean ? CHECK_HTML_CLEAN : "");

@@ -213,7 +213,7 @@ void check_write_file(
     totals->clean += (size_t)check_is_clean(report);
     report->same = (const size_t(*)[CHECK_SEVERITIES])same;
     report->shown = check_shown_path(report->path);
-    format->file(out, report);
+    if (format->file) format->file(out, report);
 }
 
 /* ---- places and nodes */
@@ -272,10 +272,10 @@ void check_write_counts(cli_json *json, const check_totals *totals, int whole) {
     if (totals->incomplete) cli_json_bool(json, "complete", 0);
 }
 
-void check_write_bytes(FILE *out, const char *path) {
-    for (const unsigned char *at = (const unsigned char *)path; *at; ++at) {
+void check_write_uri(FILE *out, const char *text, const char *kept) {
+    for (const unsigned char *at = (const unsigned char *)text; *at; ++at) {
         const int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
-                          (*at >= '0' && *at <= '9') || strchr("-._~/", *at);
+                          (*at >= '0' && *at <= '9') || strchr(kept, *at);
         fprintf(out, plain ? "%c" : "%%%02X", *at);
     }
 }
@@ -519,11 +519,6 @@ static void write_text_totals(
                     &totals->by_rule[rule][severity]);
 }
 
-static void begin_nothing(FILE *out, const check_settings *settings) {
-    (void)out;
-    (void)settings;
-}
-
 void check_write_verdict(FILE *out, const check_totals *totals) {
     fprintf(out, "%zu %s, %zu %s in %zu of %zu %s", totals->errors,
         totals->errors == 1 ? "error" : "errors", totals->warnings,
@@ -555,15 +550,9 @@ static void end_text(FILE *out, const check_totals *totals, const check_settings
     end_quietly(out, totals, settings);
 }
 
-static void write_nothing(FILE *out, const check_report *report) {
-    (void)out;
-    (void)report;
-}
-
-const check_format check_format_text = {
-    "text", begin_nothing, write_text_file, "", end_text, 1, NULL};
+const check_format check_format_text = {"text", NULL, write_text_file, "", end_text, 1, NULL};
 const check_format check_format_quiet = {
-    "text", begin_nothing, write_nothing, "", end_quietly, 0, NULL}; /* the verdict alone */
+    "text", NULL, NULL, "", end_quietly, 0, NULL}; /* the verdict alone */
 
 /* ---- Findings for grep and editors, one on each line and nothing else:
  *   path: severity rule place: message
@@ -581,10 +570,4 @@ static void write_lines(FILE *out, const check_report *report) {
     }
 }
 
-static void end_lines(FILE *out, const check_totals *totals, const check_settings *settings) {
-    (void)out;
-    (void)totals;
-    (void)settings;
-}
-
-const check_format check_format_line = {"line", begin_nothing, write_lines, "", end_lines, 0, NULL};
+const check_format check_format_line = {"line", NULL, write_lines, "", NULL, 0, NULL};

@@ -38,34 +38,24 @@ void *cli_grow(void *list, size_t count, size_t *room, size_t size) {
 }
 
 int cli_status_of(norma_document_result result) {
-    switch (result) {
-    case NORMA_DOCUMENT_OK:
-        return CLI_OK;
-    case NORMA_DOCUMENT_ERROR_ARGUMENT:
-        return CLI_USAGE;
-    default:
-        return CLI_FILE;
-    }
+    return result == NORMA_DOCUMENT_OK               ? CLI_OK
+           : result == NORMA_DOCUMENT_ERROR_ARGUMENT ? CLI_USAGE
+                                                     : CLI_FILE;
 }
 
 int cli_worse(int status, int other) { return other > status ? other : status; }
 
 /* For an error that came without a message: nothing ends in silence. */
 static const char *plain_reason(norma_document_result result) {
-    switch (result) {
-    case NORMA_DOCUMENT_ERROR_MALFORMED:
-        return "is malformed";
-    case NORMA_DOCUMENT_ERROR_UNSUPPORTED:
-        return "contains something that this version cannot read";
-    case NORMA_DOCUMENT_ERROR_REFUSED:
-        return "was refused";
-    case NORMA_DOCUMENT_ERROR_MEMORY:
-        return "out of memory";
-    case NORMA_DOCUMENT_ERROR_ARGUMENT:
-        return "does not contain the requested data";
-    default:
-        return "cannot be read or written";
-    }
+    static const char *const reasons[] = {
+        [-NORMA_DOCUMENT_ERROR_MALFORMED] = "is malformed",
+        [-NORMA_DOCUMENT_ERROR_UNSUPPORTED] = "contains something that this version cannot read",
+        [-NORMA_DOCUMENT_ERROR_REFUSED] = "was refused",
+        [-NORMA_DOCUMENT_ERROR_MEMORY] = "out of memory",
+        [-NORMA_DOCUMENT_ERROR_ARGUMENT] = "does not contain the requested data",
+    };
+    const char *reason = result < 0 ? reasons[-result] : NULL;
+    return reason ? reason : "cannot be read or written";
 }
 
 static const char reported_already[] = "reported already";
@@ -323,19 +313,16 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
         (void)written;
         return;
     }
-    const char *slash = strrchr(progress->name, '/');
     fprintf(stderr, "\r%s ", progress->what);
-    cli_write_outside_cut(stderr, slash ? slash + 1 : progress->name, 40);
-    if (fraction < 0) { /* how much there is to do is not known */
-        fprintf(stderr, ": %.0f s\033[K", elapsed);
-        fflush(stderr);
-        line_shown = 1;
-        return;
-    }
-    fprintf(stderr, ": %3.0f %%", 100 * fraction);
-    if (progress->megabytes > 0)
+    cli_write_outside_cut(stderr,
+        strrchr(progress->name, '/') ? strrchr(progress->name, '/') + 1 : progress->name, 40);
+    if (fraction < 0) /* how much there is to do is not known */
+        fprintf(stderr, ": %.0f s", elapsed);
+    else
+        fprintf(stderr, ": %3.0f %%", 100 * fraction);
+    if (fraction >= 0 && progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
-    if (!progress->is_uneven && is_steady(progress, fraction, elapsed))
+    if (fraction >= 0 && !progress->is_uneven && is_steady(progress, fraction, elapsed))
         fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
     fputs("\033[K", stderr);
     fflush(stderr);

@@ -204,7 +204,7 @@ static int report_write_as(
     int status = CLI_OK, any = 0;
     check_list list = {0};
     totals->list = &list;
-    format->begin(out, &merged->settings);
+    if (format->begin) format->begin(out, &merged->settings);
     for (size_t i = 0; i < merged->part_count && !status; ++i)
         status = write_part_as(merged, &merged->parts[i], format, out, totals, &any);
     check_list_sort(&list);
@@ -212,7 +212,7 @@ static int report_write_as(
         !check_list_write(&list, format, out, &merged->settings))
         status = cli_out_of_memory();
     totals->status = cli_worse(totals->status, merged->status);
-    format->end(out, totals, &merged->settings);
+    if (format->end) format->end(out, totals, &merged->settings);
     check_list_free(&list);
     return status;
 }
