@@ -8,6 +8,8 @@
 #include <inttypes.h>
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
+/* More findings of a rule in one file, or reasons, are told in one line. */
+enum { CHECK_MOST_LINES = 10 };
 
 /* ---- .norma.json (known.c) */
 
@@ -284,8 +286,6 @@ uint64_t check_key(const check_report *report, const check_item *item);
 size_t check_count_same(const check_report *report, const check_item *item);
 /* What a clean file was not asked, in words that follow "No problems found"; or "". */
 const char *check_unseen(const check_report *report);
-/* The notes of a document from the first on, each text once. NULL: memory is out. */
-check_reason *check_list_reasons(const norma_document *document, size_t first, size_t *count);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
  * node that it is about. NULL: none. */
 const char *check_node_path(norma_document *document, const char *where);
@@ -295,12 +295,6 @@ int check_page_is_folder(const check_settings *settings); /* check_one.c: else i
  * totals. */
 void check_one_file(const check_settings *settings, const check_config *config,
     const check_format *format, size_t index, FILE *out, check_totals *totals);
-
-/* ---- a part of them (check_all.c) */
-
-/* "2/8": the second of eight parts. NULL, or what was expected. */
-const char *check_read_shard(const char *text, size_t *number, size_t *count);
-void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
 
 /* ---- all of them (check_all.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */

@@ -152,50 +152,6 @@ void check_begin_entry(
         fputs(format->before_clean, out);
 }
 
-/* ---- One of several jobs that share a set of files: those whose paths, relative to the folder
- * given, have its hash, so that each job can say it of a file that it alone has. And the order of
- * files in reports, which is the same however a set was shared. */
-
-static int read_shard_number(const char *text, size_t length, size_t *number) {
-    *number = 0;
-    if (length == 0 || length > 9) return 0;
-    for (size_t i = 0; i < length; ++i) {
-        if (text[i] < '0' || text[i] > '9') return 0;
-        *number = 10 * *number + (size_t)(text[i] - '0');
-    }
-    return 1;
-}
-
-const char *check_read_shard(const char *text, size_t *number, size_t *count) {
-    const size_t length = strcspn(text, "/");
-    const int fine = text[length] == '/' && read_shard_number(text, length, number) &&
-                     read_shard_number(text + length + 1, strlen(text + length + 1), count);
-    return fine && *number >= 1 && *number <= *count ? NULL : "I/N, such as 2/8: I from 1 to N";
-}
-
-/* The upper half is mixed into the lower one. */
-static uint64_t hash_path(const char *path) {
-    const uint64_t hash = cli_hash(CLI_HASH, path, strlen(path));
-    return hash ^ hash >> 32;
-}
-
-/* A path without "./" in front of it. */
-static const char *plain(const char *path) {
-    while (path[0] == '.' && path[1] == '/') path += 1 + strspn(path + 1, "/");
-    return path;
-}
-
-void check_keep_shard(cli_inputs *inputs, size_t number, size_t count) {
-    size_t kept = 0;
-    for (size_t i = 0; i < inputs->count; ++i) {
-        if (hash_path(plain(inputs->list[i].path + inputs->list[i].within)) % count == number - 1)
-            inputs->list[kept++] = inputs->list[i];
-        else
-            free(inputs->list[i].path);
-    }
-    inputs->count = kept;
-}
-
 /* ---- Checks several files at once and reports them in their order. A thread takes the
  * next file and writes its part of the report into memory; parts go to the output in the order of
  * files. No file is started more than a window ahead of the output, so memory does not grow with

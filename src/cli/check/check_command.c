@@ -27,6 +27,49 @@ const check_format *check_format_of_name(const char *path) {
     return strcmp(ending, ".txt") == 0 ? &check_format_text : check_find_format(ending + 1);
 }
 
+/* ---- One of several jobs that share a set of files: those whose paths, relative to the folder
+ * given, have its hash, so that each job can say it of a file that it alone has. */
+
+static int read_shard_number(const char *text, size_t length, size_t *number) {
+    *number = 0;
+    if (length == 0 || length > 9) return 0;
+    for (size_t i = 0; i < length; ++i) {
+        if (text[i] < '0' || text[i] > '9') return 0;
+        *number = 10 * *number + (size_t)(text[i] - '0');
+    }
+    return 1;
+}
+
+static const char *read_shard(const char *text, size_t *number, size_t *count) {
+    const size_t length = strcspn(text, "/");
+    const int fine = text[length] == '/' && read_shard_number(text, length, number) &&
+                     read_shard_number(text + length + 1, strlen(text + length + 1), count);
+    return fine && *number >= 1 && *number <= *count ? NULL : "I/N, such as 2/8: I from 1 to N";
+}
+
+/* The upper half is mixed into the lower one. */
+static uint64_t hash_path(const char *path) {
+    const uint64_t hash = cli_hash(CLI_HASH, path, strlen(path));
+    return hash ^ hash >> 32;
+}
+
+/* A path without "./" in front of it. */
+static const char *plain(const char *path) {
+    while (path[0] == '.' && path[1] == '/') path += 1 + strspn(path + 1, "/");
+    return path;
+}
+
+static void keep_shard(cli_inputs *inputs, size_t number, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < inputs->count; ++i) {
+        if (hash_path(plain(inputs->list[i].path + inputs->list[i].within)) % count == number - 1)
+            inputs->list[kept++] = inputs->list[i];
+        else
+            free(inputs->list[i].path);
+    }
+    inputs->count = kept;
+}
+
 static const char check_help[] =
     "norma check IN...: checks normals, winding, texture seams and transforms, and can fix them\n"
     "\n"
@@ -143,7 +186,7 @@ static const char *set_check_format(void *settings, const char *value) {
 
 static const char *set_shard(void *settings, const char *value) {
     check_work *work = settings;
-    return check_read_shard(value, &work->settings.shard, &work->settings.shards);
+    return read_shard(value, &work->settings.shard, &work->settings.shards);
 }
 
 static const char *set_fail_on(void *settings, const char *value) {
@@ -421,7 +464,7 @@ static int find_lost_files(const cli_subcommand *command, const check_work *work
         names[i] = inputs->list[i].path + inputs->list[i].within;
     int status = cli_find_inputs(command, &references);
     if (work->settings.shards)
-        check_keep_shard(&references.inputs, work->settings.shard, work->settings.shards);
+        keep_shard(&references.inputs, work->settings.shard, work->settings.shards);
     status = cli_worse(status, report_lost_files(work, &references.inputs, names, inputs->count));
     cli_inputs_free(&references.inputs);
     free((void *)names);
@@ -447,7 +490,7 @@ static int find_inputs(const cli_subcommand *command, check_work *work) {
     const int placed = check_page_is_folder(&work->settings) ? place_pages(command, work) : CLI_OK;
     if (placed) return placed;
     if (work->settings.shards)
-        check_keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
+        keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
     cli_inputs *inputs = &work->files.inputs;
     if (inputs->count) qsort(inputs->list, inputs->count, sizeof *inputs->list, cli_compare_inputs);
     return status;

@@ -20,6 +20,74 @@ typedef struct check_fixed {
     size_t reason_count;
 } check_fixed;
 
+/* ---- why fixes were left out */
+
+/* Of a rule's name, whose number is not skipped. */
+static int is_rule_digit(const char *text, const char *at) {
+    for (size_t i = 1; i <= 3 && i <= (size_t)(at - text); ++i)
+        if (at[-(ptrdiff_t)i] == 'N') return 1;
+    return 0;
+}
+
+static const char *skip_numbers(const char *text, const char *at) {
+    while (*at && strchr("0123456789, ", *at) && !is_rule_digit(text, at)) ++at;
+    return at;
+}
+
+/* Reasons are alike if they differ in numbers alone: of meshes, of faces. */
+static int compare_but_numbers(const char *one, const char *other) {
+    for (const char *a = one, *b = other;; ++a, ++b) {
+        a = skip_numbers(one, a);
+        b = skip_numbers(other, b);
+        if (*a != *b || !*a) return (unsigned char)*a - (unsigned char)*b;
+    }
+}
+
+static int compare_reasons(const void *a, const void *b) {
+    const check_reason *one = a, *other = b;
+    int order = compare_but_numbers(one->text, other->text);
+    if (!order) order = strcmp(one->text, other->text);
+    return order ? order : (one->number > other->number) - (one->number < other->number);
+}
+
+static int compare_reason_numbers(const void *a, const void *b) {
+    const size_t one = ((const check_reason *)a)->number, other = ((const check_reason *)b)->number;
+    return (one > other) - (one < other);
+}
+
+/* Those that are alike, of which the first gets their number. */
+static void fold_alike(check_reason *reasons, size_t count) {
+    for (size_t i = 0, end; i < count; i = end) {
+        size_t first = i;
+        for (end = i; end < count && !compare_but_numbers(reasons[i].text, reasons[end].text);
+             ++end)
+            if (reasons[end].number < reasons[first].number) first = end;
+        if (end - i <= CHECK_MOST_LINES) continue;
+        for (size_t k = i; k < end; ++k) reasons[k].is_folded = k != first;
+        reasons[first].more = end - i - 1;
+    }
+}
+
+/* The notes of a document from the first on, each text once. NULL: memory is out. */
+static check_reason *check_list_reasons(
+    const norma_document *document, size_t first, size_t *count) {
+    const size_t notes = norma_document_note_count(document) - first;
+    size_t kept = 0;
+    check_reason *reasons = calloc(notes + 1, sizeof *reasons);
+    *count = 0;
+    if (!reasons) return NULL;
+    for (size_t i = 0; i < notes; ++i)
+        reasons[i] = (check_reason){.text = norma_document_note(document, first + i), .number = i};
+    qsort(reasons, notes, sizeof *reasons, compare_reasons);
+    for (size_t i = 0; i < notes; ++i)
+        if (!kept || strcmp(reasons[kept - 1].text, reasons[i].text) != 0)
+            reasons[kept++] = reasons[i];
+    fold_alike(reasons, kept);
+    qsort(reasons, kept, sizeof *reasons, compare_reason_numbers);
+    *count = kept;
+    return reasons;
+}
+
 /* ---- the table */
 
 /* What a rule counts; *gravest: the highest severity of its findings so far. */

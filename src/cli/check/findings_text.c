@@ -103,76 +103,6 @@ const char *check_shown_path(const char *path) {
                : name;
 }
 
-/* ---- why fixes were left out */
-
-enum {
-    MOST_LINES = 10
-}; /* more findings of a rule in one file, or reasons, are told in one line */
-
-/* Of a rule's name, whose number is not skipped. */
-static int is_rule_digit(const char *text, const char *at) {
-    for (size_t i = 1; i <= 3 && i <= (size_t)(at - text); ++i)
-        if (at[-(ptrdiff_t)i] == 'N') return 1;
-    return 0;
-}
-
-static const char *skip_numbers(const char *text, const char *at) {
-    while (*at && strchr("0123456789, ", *at) && !is_rule_digit(text, at)) ++at;
-    return at;
-}
-
-/* Reasons are alike if they differ in numbers alone: of meshes, of faces. */
-static int compare_but_numbers(const char *one, const char *other) {
-    for (const char *a = one, *b = other;; ++a, ++b) {
-        a = skip_numbers(one, a);
-        b = skip_numbers(other, b);
-        if (*a != *b || !*a) return (unsigned char)*a - (unsigned char)*b;
-    }
-}
-
-static int compare_reasons(const void *a, const void *b) {
-    const check_reason *one = a, *other = b;
-    int order = compare_but_numbers(one->text, other->text);
-    if (!order) order = strcmp(one->text, other->text);
-    return order ? order : (one->number > other->number) - (one->number < other->number);
-}
-
-static int compare_reason_numbers(const void *a, const void *b) {
-    const size_t one = ((const check_reason *)a)->number, other = ((const check_reason *)b)->number;
-    return (one > other) - (one < other);
-}
-
-/* Those that are alike, of which the first gets their number. */
-static void fold_alike(check_reason *reasons, size_t count) {
-    for (size_t i = 0, end; i < count; i = end) {
-        size_t first = i;
-        for (end = i; end < count && !compare_but_numbers(reasons[i].text, reasons[end].text);
-             ++end)
-            if (reasons[end].number < reasons[first].number) first = end;
-        if (end - i <= MOST_LINES) continue;
-        for (size_t k = i; k < end; ++k) reasons[k].is_folded = k != first;
-        reasons[first].more = end - i - 1;
-    }
-}
-
-check_reason *check_list_reasons(const norma_document *document, size_t first, size_t *count) {
-    const size_t notes = norma_document_note_count(document) - first;
-    size_t kept = 0;
-    check_reason *reasons = calloc(notes + 1, sizeof *reasons);
-    *count = 0;
-    if (!reasons) return NULL;
-    for (size_t i = 0; i < notes; ++i)
-        reasons[i] = (check_reason){.text = norma_document_note(document, first + i), .number = i};
-    qsort(reasons, notes, sizeof *reasons, compare_reasons);
-    for (size_t i = 0; i < notes; ++i)
-        if (!kept || strcmp(reasons[kept - 1].text, reasons[i].text) != 0)
-            reasons[kept++] = reasons[i];
-    fold_alike(reasons, kept);
-    qsort(reasons, kept, sizeof *reasons, compare_reason_numbers);
-    *count = kept;
-    return reasons;
-}
-
 /* ---- totals */
 
 static void count_items(
@@ -378,7 +308,7 @@ static int is_first_of_group(const check_report *report, const check_item *item)
 }
 
 static int is_told_together(const check_report *report, const check_item *item) {
-    return check_is_picture(item) || check_count_same(report, item) > MOST_LINES;
+    return check_is_picture(item) || check_count_same(report, item) > CHECK_MOST_LINES;
 }
 
 static void write_together(FILE *line, const check_report *report, const check_item *item) {

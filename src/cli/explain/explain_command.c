@@ -31,6 +31,8 @@ static const char explain_help[] =
     "\n"
     "Exit status: 0 fine, 2 unknown rule.\n";
 
+enum { MOST_RULES = 128 }; /* room for a byte of each */
+
 /* The severity for models to render, and where it is another for prints or generated models. */
 static void write_severities(const norma_rule *rule) {
     const norma_severity generated = norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED);
@@ -89,18 +91,17 @@ static int fail_unknown(const cli_subcommand *command, const char *word) {
         word, meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
 }
 
-/* The rules that words name; without any all. calloc'd, NULL: *status says why. */
-static uint8_t *choose_named_rules(
-    const cli_subcommand *command, const cli_words *words, size_t count, int *status) {
-    uint8_t *mask = calloc(count + 1, 1);
-    if (!mask) *status = cli_out_of_memory();
-    if (mask && !words->count) memset(mask, 1, count);
-    for (size_t i = 0; mask && i < words->count && !*status; ++i) {
+/* The rules that words name; without any all. A status. */
+static int choose_named_rules(
+    const cli_subcommand *command, const cli_words *words, uint8_t mask[MOST_RULES]) {
+    int status = CLI_OK;
+    memset(mask, words->count == 0, MOST_RULES);
+    for (size_t i = 0; i < words->count && !status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown))
-            *status = fail_unknown(command, unknown);
+            status = fail_unknown(command, unknown);
     }
-    return mask;
+    return status;
 }
 
 static void print_rules(const uint8_t *mask, int is_list, int json) {
@@ -153,17 +154,14 @@ static const cli_option explain_options[] = {{"output", 'o', CLI_TO(CLI_TEXT, ex
 
 static int explain(
     const cli_subcommand *command, const cli_words *words, const char *output, int json) {
-    size_t count;
-    (void)norma_rules(&count);
-    int status = CLI_OK;
-    uint8_t *mask = choose_named_rules(command, words, count, &status);
-    if (!status && output)
-        status = json ? cli_usage(command, "--json and -o exclude each other")
-                      : write_rules_page(mask, output);
-    else if (!status)
-        print_rules(mask, words->count == 0, json);
-    free(mask);
-    return status;
+    uint8_t mask[MOST_RULES];
+    const int status = choose_named_rules(command, words, mask);
+    if (status) return status;
+    if (output)
+        return json ? cli_usage(command, "--json and -o exclude each other")
+                    : write_rules_page(mask, output);
+    print_rules(mask, words->count == 0, json);
+    return CLI_OK;
 }
 
 static int explain_run(const cli_subcommand *command, int count, char **arguments) {

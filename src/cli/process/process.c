@@ -427,31 +427,19 @@ static void hold_standard_streams(void) {
 }
 
 #if defined(__linux__) && defined(BUS_ADRERR)
-/* Of /proc/self/maps, read byte by byte: a signal handler has no library. */
-typedef struct map_reader {
-    int descriptor;
-    size_t used, size;
-    char bytes[1024];
-} map_reader;
-
-static int next_byte(map_reader *reader) {
-    if (reader->used == reader->size) {
-        const ssize_t got = read(reader->descriptor, reader->bytes, sizeof reader->bytes);
-        reader->used = 0;
-        reader->size = got > 0 ? (size_t)got : 0;
-        if (!reader->size) return -1;
-    }
-    return (unsigned char)reader->bytes[reader->used++];
+/* Of /proc/self/maps, byte by byte: a signal handler has no library. -1: its end. */
+static int next_byte(int maps) {
+    unsigned char byte;
+    return maps >= 0 && read(maps, &byte, 1) == 1 ? byte : -1;
 }
 
-static uintptr_t read_hex(map_reader *reader) {
+static uintptr_t read_hex(int maps) {
+    static const char digits[] = "0123456789abcdef";
     uintptr_t number = 0;
-    for (int byte; (byte = next_byte(reader)) >= 0;) {
-        const int digit = byte >= '0' && byte <= '9'   ? byte - '0'
-                          : byte >= 'a' && byte <= 'f' ? byte - 'a' + 10
-                                                       : -1;
-        if (digit < 0) break;
-        number = number << 4 | (uintptr_t)digit;
+    for (int byte; (byte = next_byte(maps)) > 0;) {
+        const char *digit = strchr(digits, byte);
+        if (!digit) break;
+        number = number << 4 | (uintptr_t)(digit - digits);
     }
     return number;
 }
@@ -459,18 +447,18 @@ static uintptr_t read_hex(map_reader *reader) {
 /* "start-end rights offset device inode name": the name of the file that lies at address; "" where
  * none does. */
 static void find_mapped(uintptr_t address, char *name, size_t room) {
-    map_reader reader = {.descriptor = open("/proc/self/maps", O_RDONLY | O_CLOEXEC)};
+    const int maps = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
     int byte = 0, found = 0;
     size_t length = 0;
-    while (reader.descriptor >= 0 && byte >= 0 && !found) {
-        const uintptr_t start = read_hex(&reader), end = read_hex(&reader);
+    while (byte >= 0 && !found) {
+        const uintptr_t start = read_hex(maps), end = read_hex(maps);
         found = start <= address && address < end;
         length = 0;
-        while ((byte = next_byte(&reader)) >= 0 && byte != '\n')
+        while ((byte = next_byte(maps)) >= 0 && byte != '\n')
             if (found && (length > 0 || byte == '/') && length + 1 < room)
                 name[length++] = (char)(byte < 0x20 || byte >= 0x7F ? '?' : byte);
     }
-    if (reader.descriptor >= 0) close(reader.descriptor);
+    if (maps >= 0) close(maps);
     name[found ? length : 0] = '\0';
 }
 
