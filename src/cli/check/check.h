@@ -171,19 +171,26 @@ typedef struct check_rule_total {
 
 typedef struct check_list check_list;
 
+enum { CHECK_SUMS = 10 + 2 * CHECK_RULES * CHECK_SEVERITIES };
+
 typedef struct check_totals {
-    size_t errors, warnings, infos, files, files_with_trouble, not_checked;
-    size_t known;                 /* silenced by the baseline */
-    size_t differing;             /* files that differ from their references, or have none */
-    size_t clean;                 /* files without problems */
-    size_t hidden;                /* infos that reports for people only count */
+    union {
+        struct {
+            size_t errors, warnings, infos, files, files_with_trouble, not_checked;
+            size_t known;     /* silenced by the baseline */
+            size_t differing; /* files that differ from their references, or have none */
+            size_t clean;     /* files without problems */
+            size_t hidden;    /* infos that reports for people only count */
+            check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
+        };
+        size_t sums[CHECK_SUMS]; /* all of these, of one file added to those of others */
+    };
     int status;                   /* worst of its files */
     int unreported;               /* a file is not in the report */
     int incomplete;               /* something could not be read or written that has no entry */
     int forgot;                   /* findings are missing in a new baseline: out of memory */
     size_t left_out[CHECK_RULES]; /* results of SARIF above its limit */
     check_list *list;             /* of forms that put the worst files first */
-    check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
 } check_totals;
 
 /* The forms of a report. file is called by several threads at once, each with an own out; begin and

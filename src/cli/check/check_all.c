@@ -190,21 +190,7 @@ typedef struct checked_file {
 } checked_file;
 
 static void add_totals(check_totals *sum, const check_totals *more) {
-    sum->errors += more->errors;
-    sum->warnings += more->warnings;
-    sum->infos += more->infos;
-    sum->files += more->files;
-    sum->files_with_trouble += more->files_with_trouble;
-    sum->not_checked += more->not_checked;
-    sum->known += more->known;
-    sum->differing += more->differing;
-    sum->clean += more->clean;
-    sum->hidden += more->hidden;
-    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-        for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
-            sum->by_rule[rule][severity].findings += more->by_rule[rule][severity].findings;
-            sum->by_rule[rule][severity].files += more->by_rule[rule][severity].files;
-        }
+    for (size_t i = 0; i < CHECK_SUMS; ++i) sum->sums[i] += more->sums[i];
     sum->status = cli_worse(sum->status, more->status);
     sum->incomplete |= more->incomplete;
     sum->forgot |= more->forgot;

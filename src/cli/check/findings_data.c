@@ -296,7 +296,9 @@ void check_results_write(const check_results *results, FILE *out, check_totals *
                 results->left_out[rule] + results->kept_of[rule], (int)MOST_RESULTS);
 }
 
-static void write_notification(cli_json *json, const char *text) {
+/* What the results do not show. */
+static void write_notification(cli_json *json, int *any, const char *text) {
+    if (!(*any)++) cli_json_open(json, "toolExecutionNotifications", '[');
     cli_json_print(json, "{level: \"warning\", message: {text: %s}}", text);
 }
 
@@ -304,31 +306,25 @@ static void write_notification(cli_json *json, const char *text) {
 static void write_notifications(
     cli_json *json, const check_totals *totals, const check_settings *settings) {
     char text[160];
-    cli_json_open(json, "toolExecutionNotifications", '[');
+    int any = 0;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
         if (!totals->left_out[rule]) continue;
         snprintf(text, sizeof text, "%s: %zu results left out; a report holds at most %d",
             norma_rules(NULL)[rule].id, totals->left_out[rule], (int)MOST_RESULTS);
-        write_notification(json, text);
+        write_notification(json, &any, text);
     }
     if (settings->missing) {
         snprintf(text, sizeof text, "shards %.100s are missing", settings->missing);
-        write_notification(json, text);
+        write_notification(json, &any, text);
     }
-    cli_json_close(json, ']');
-}
-
-static int has_notifications(const check_totals *totals, const check_settings *settings) {
-    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-        if (totals->left_out[rule]) return 1;
-    return settings->missing != NULL;
+    if (any) cli_json_close(json, ']');
 }
 
 static void end_sarif(FILE *out, const check_totals *totals, const check_settings *settings) {
     cli_json json = {.out = out, .needs_comma = 1};
     cli_json_print(&json, "\n], invocations: [{exitCode: %zu, executionSuccessful: %d",
         (size_t)totals->status, totals->status != CLI_FILE);
-    if (has_notifications(totals, settings)) write_notifications(&json, totals, settings);
+    write_notifications(&json, totals, settings);
     cli_json_print(&json, "}]}]}\n");
 }
 

@@ -238,24 +238,14 @@ static int compute_files(joint_run *run, compute_work *work) {
     return status;
 }
 
-static int make_folders(const joint_run *run) {
-    int status = CLI_OK;
-    for (size_t i = 0; i < run->count && !status; ++i)
-        status = cli_make_folders(run->all->files, run->own[i].output);
-    return status;
-}
-
-static int run_all(joint_run *run, compute_work *work) {
-    int status = check_names(run);
-    if (!status) status = make_folders(run);
-    return status ? status : compute_files(run, work);
-}
-
 /* All files, as cli_changer.all. */
 static int compute_all_together(const cli_all_files *all) {
     joint_run run = {.all = all, .count = all->files->inputs.count, .work = all->changer->work};
     if (compute_refuse_moved(&all->files->inputs)) return CLI_FILE;
-    const int status = make_run(&run) ? run_all(&run, all->changer->work) : cli_out_of_memory();
+    int status = make_run(&run) ? check_names(&run) : cli_out_of_memory();
+    for (size_t i = 0; i < run.count && !status; ++i)
+        status = cli_make_folders(all->files, run.own[i].output);
+    if (!status) status = compute_files(&run, all->changer->work);
     free_run(&run);
     return status;
 }

@@ -174,12 +174,6 @@ static void answer_empty(const char *id) {
     end_answer(&json);
 }
 
-static void answer_tools(const mcp_server *server, const char *id, int modern) {
-    cli_json json = begin_answer(id, modern);
-    mcp_tools_list(&json, server->read_only);
-    end_constant(&json, modern);
-}
-
 #define RULE_URI "norma://rules/"
 
 static void write_resource(cli_json *json, const norma_rule *rule) {
@@ -188,24 +182,31 @@ static void write_resource(cli_json *json, const norma_rule *rule) {
     cli_json_print(json, "{uri: %s", uri);
 }
 
-static void answer_resources(const char *id, int modern) {
+static void list_resources(cli_json *json) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    cli_json json = begin_answer(id, modern);
-    cli_json_open(&json, "resources", '[');
+    cli_json_open(json, "resources", '[');
     for (size_t i = 0; i < count; ++i) {
-        write_resource(&json, &rules[i]);
+        write_resource(json, &rules[i]);
         cli_json_print(
-            &json, "name: %s, title: %s, mimeType: \"text/plain\"}", rules[i].id, rules[i].name);
+            json, "name: %s, title: %s, mimeType: \"text/plain\"}", rules[i].id, rules[i].name);
     }
-    cli_json_close(&json, ']');
-    end_constant(&json, modern);
+    cli_json_close(json, ']');
 }
 
-static void answer_templates(const char *id, int modern) {
+/* 0: no list is called so. */
+static int answer_list(const mcp_server *server, const char *id, const char *method, int modern) {
+    static const char *const methods[] = {
+        "tools/list", "resources/list", "resources/templates/list"};
+    size_t which = 0;
+    while (which < CLI_COUNT(methods) && strcmp(method, methods[which]) != 0) ++which;
+    if (which == CLI_COUNT(methods)) return 0;
     cli_json json = begin_answer(id, modern);
-    cli_json_print(&json, "resourceTemplates: []");
+    if (which == 0) mcp_tools_list(&json, server->read_only);
+    if (which == 1) list_resources(&json);
+    if (which == 2) cli_json_print(&json, "resourceTemplates: []");
     end_constant(&json, modern);
+    return 1;
 }
 
 /* ---- calls */
@@ -481,21 +482,15 @@ static void answer_request(
     const cli_value params = cli_get(cli_json_root(*message), "params");
     int refused;
     const int modern = is_modern(id, params, &refused);
-    if (refused) return;
+    if (refused || answer_list(server, id, method, modern)) return;
     if (strcmp(method, "initialize") == 0 && !modern)
         answer_initialize(server, id, params);
     else if (strcmp(method, "server/discover") == 0 && modern)
         answer_discover(server, id);
     else if (strcmp(method, "ping") == 0 && !modern)
         answer_empty(id);
-    else if (strcmp(method, "tools/list") == 0)
-        answer_tools(server, id, modern);
     else if (strcmp(method, "tools/call") == 0)
         queue_tool(server, id, message, params, modern);
-    else if (strcmp(method, "resources/list") == 0)
-        answer_resources(id, modern);
-    else if (strcmp(method, "resources/templates/list") == 0)
-        answer_templates(id, modern);
     else if (strcmp(method, "resources/read") == 0)
         queue_resource(server, id, params, modern);
     else
