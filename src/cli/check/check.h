@@ -3,8 +3,6 @@
 #ifndef NORMA_CLI_CHECK_CHECK_H
 #define NORMA_CLI_CHECK_CHECK_H
 #include "cli/compare/compare.h"
-#include "cli/files/files.h"
-#include <norma/check.h>
 #include <inttypes.h>
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */

@@ -2,9 +2,6 @@
  * first, those without problems last, and what several of them have in common told once. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
-#include "cli/files/files.h"
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>

@@ -1,10 +1,6 @@
 /* check_command.c: norma check: the rules over files, and the report. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check.h"
-#include "cli/files/files.h"
-#include "cli/options/options.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

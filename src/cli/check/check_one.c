@@ -2,9 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE   700
 #include "cli/check/check.h"
-#include "cli/files/files.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <stdlib.h>
 #include <string.h>
 

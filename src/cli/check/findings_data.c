@@ -1,8 +1,5 @@
 /* findings_data.c: the forms of a report for programs. */
 #include "cli/check/check.h"
-#include "cli/text/text.h"
-#include "cli/process/process.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* findings_html.c: findings as a page with pictures. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check.h"
-#include "cli/text/text.h"
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 

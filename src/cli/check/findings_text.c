@@ -1,9 +1,6 @@
 /* findings_text.c: what all forms of a report ask of a finding, and the forms for people. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

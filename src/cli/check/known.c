@@ -3,9 +3,6 @@
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #define _XOPEN_SOURCE   700
 #include "cli/check/check.h"
-#include "cli/process/process.h"
-#include "cli/options/options.h"
-#include "cli/files/files.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -33,27 +30,15 @@ int check_open_regular(const char *path) {
 
 char *check_read_bytes(const char *path, size_t *size) {
     const int file = check_open_regular(path);
-    size_t room = 4096;
-    char *text = file < 0 ? NULL : malloc(room);
-    ssize_t got = 0;
-    for (*size = 0; text && (got = read(file, text + *size, room - *size)) != 0;) {
-        if (got < 0 && errno != EINTR) break;
-        *size += got > 0 ? (size_t)got : 0;
-        if (*size < room) continue;
-        char *grown = realloc(text, room *= 2);
-        if (!grown) free(text);
-        text = grown;
-    }
+    char *text = file < 0 ? NULL : cli_read_all(file, size, NULL);
+    const int why = errno;
     if (file < 0) return NULL;
-    if (text && got < 0) {
-        cli_error("%s: cannot be read: %s", path, strerror(errno));
-        free(text);
-        text = NULL;
-    } else if (!text) {
-        cli_out_of_memory();
-        errno = ENOMEM;
-    }
     close(file);
+    if (!text && why == ENOMEM)
+        cli_out_of_memory();
+    else if (!text)
+        cli_error("%s: cannot be read: %s", path, strerror(why));
+    errno = why;
     return text;
 }
 

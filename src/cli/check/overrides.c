@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE   700
 #include "cli/check/check.h"
-#include "cli/options/options.h"
 #include <stdlib.h>
 #include <string.h>
 

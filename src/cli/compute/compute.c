@@ -2,9 +2,6 @@
  * one surface that lies in many files; and norma seams, which makes the same of more files than a
  * process holds, in three steps. */
 #include "cli/files/files.h"
-#include "cli/options/options.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

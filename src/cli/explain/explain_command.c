@@ -1,10 +1,6 @@
 /* explain_command.c: norma explain N501: what a rule measures, why it matters, what to do; as text,
  * or as a page with pictures. */
 #include "cli/files/files.h"
-#include "cli/options/options.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
-#include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>
 

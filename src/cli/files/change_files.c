@@ -2,9 +2,6 @@
  * passes, and a line says so. Begin at cli_run_changer, at the end. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/files.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -3,10 +3,7 @@
 #define NORMA_CLI_FILES_FILES_H
 #include "cli/options/options.h"
 #include "cli/process/process.h"
-#include "cli/text/text.h"
-#include <norma/document.h>
 #include <norma/large.h>
-#include <stdio.h>
 
 /* ---- Sources are never outputs. Every file that a command reads (meshes, buffers, lists,
  * baselines, configurations) and every file that those name (images, material libraries) is put on
@@ -82,6 +79,9 @@ norma_document_result cli_read(const cli_files *files, const cli_common *common,
  * the file holds instead of faces. */
 norma_document_result cli_fail_empty(
     norma_document *document, const char *input, const char *what, norma_document_error *error);
+/* A file or a pipe to its end, to be freed. NULL: errno or, where it is asked for, *endless says
+ * why: memory stays bounded, whatever is on the other side. */
+char *cli_read_all(int file, size_t *size, const char **endless);
 double cli_megabytes(const char *input); /* 0: not known */
 void cli_json_notes(cli_json *json, const norma_document *document);
 

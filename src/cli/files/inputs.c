@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE   700
 #include "cli/files/files.h"
-#include "cli/process/process.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -279,38 +278,36 @@ static const char *why_endless(int descriptor, size_t size) {
                : NULL;
 }
 
-/* To its end. */
+char *cli_read_all(int file, size_t *size, const char **endless) {
+    size_t room = (size_t)1 << 16;
+    char *bytes = malloc(room);
+    ssize_t got = 1;
+    for (*size = 0; bytes && got; *size += got > 0 ? (size_t)got : 0) {
+        if (*size == room && endless && (*endless = why_endless(file, room))) break;
+        char *larger = *size < room           ? bytes
+                       : room <= SIZE_MAX / 2 ? realloc(bytes, room *= 2)
+                                              : NULL;
+        if (!larger) break;
+        bytes = larger;
+        got = read(file, bytes + *size, room - *size);
+        if (got < 0 && errno != EINTR) break;
+    }
+    if (bytes && !got) return bytes;
+    const int why = *size == room ? ENOMEM : errno; /* or no room can be twice as large */
+    free(bytes);
+    errno = why;
+    return NULL;
+}
+
 static norma_document_result read_pipe(
     int descriptor, const char *input, void **memory, size_t *size, norma_document_error *error) {
-    size_t capacity = (size_t)1 << 16;
-    unsigned char *bytes = malloc(capacity);
-    *size = 0;
-    while (bytes) {
-        if (*size == capacity) {
-            const char *endless = why_endless(descriptor, capacity);
-            if (endless) {
-                free(bytes);
-                return fail_reading(error, NORMA_DOCUMENT_ERROR_REFUSED, input, endless);
-            }
-            unsigned char *larger = capacity <= SIZE_MAX / 2 ? realloc(bytes, capacity * 2) : NULL;
-            if (!larger) break;
-            bytes = larger;
-            capacity *= 2;
-        }
-        ssize_t got = read(descriptor, bytes + *size, capacity - *size);
-        const char *why = got < 0 && errno != EINTR ? strerror(errno) : NULL;
-        if (why) {
-            free(bytes);
-            return fail_reading(error, NORMA_DOCUMENT_ERROR_FILE, input, why);
-        }
-        if (got == 0) {
-            *memory = bytes;
-            return NORMA_DOCUMENT_OK;
-        }
-        *size += got > 0 ? (size_t)got : 0;
-    }
-    free(bytes);
-    return fail_reading(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory");
+    const char *endless = NULL;
+    *memory = cli_read_all(descriptor, size, &endless);
+    return *memory   ? NORMA_DOCUMENT_OK
+           : endless ? fail_reading(error, NORMA_DOCUMENT_ERROR_REFUSED, input, endless)
+           : errno == ENOMEM
+               ? fail_reading(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory")
+               : fail_reading(error, NORMA_DOCUMENT_ERROR_FILE, input, strerror(errno));
 }
 
 static norma_document_result read_named_pipe(

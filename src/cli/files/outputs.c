@@ -2,10 +2,8 @@
  * or a report gets there. */
 #define _GNU_SOURCE /* fopencookie */
 #include "cli/files/files.h"
-#include "cli/process/process.h"
 #include <dirent.h>
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -1,11 +1,6 @@
 /* norma info: what is in a file: meshes, counts, normals, the kinds of the transforms. */
 #include "cli/files/files.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <math.h>
-#include <norma/check.h>
-#include <norma/document.h>
-#include <norma/large.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,5 @@
 /* norma matrix: what a matrix does to normals, in numbers that a reader can check by hand; and
  * norma transform: a file under one matrix, its normals with it. */
-#include "cli/options/options.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include "cli/files/files.h"
 #include <math.h>
 #include <string.h>

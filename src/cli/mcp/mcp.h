@@ -3,8 +3,6 @@
 #define NORMA_CLI_MCP_MCP_H
 #include "cli/options/options.h"
 #include "cli/process/process.h"
-#include "cli/text/text.h"
-#include <stddef.h>
 
 /* ---- The folders that tools may use. */
 

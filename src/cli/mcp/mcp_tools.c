@@ -3,7 +3,6 @@
 #define _DEFAULT_SOURCE /* realpath, lstat */
 #include "cli/mcp/mcp.h"
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,10 +1,7 @@
 /* options.c: a command line: misspelt words, options, matrices. */
 #include "cli/options/options.h"
 #include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <math.h>
-#include <norma/check.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
 #ifndef NORMA_CLI_OPTIONS_OPTIONS_H
 #define NORMA_CLI_OPTIONS_OPTIONS_H
 #include "cli/text/text.h"
-#include <stddef.h>
 
 /* ---- A command: its name, its help, its function; and usage errors. */
 

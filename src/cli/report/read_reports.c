@@ -2,9 +2,6 @@
  * themselves stay on disk. */
 #define _GNU_SOURCE /* memmem */
 #include "cli/report/report.h"
-#include "cli/check/check.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,5 @@
 /* report.c: norma report: the reports of norma check as one. */
 #include "cli/report/report.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
-#include "cli/files/files.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

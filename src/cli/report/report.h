@@ -3,8 +3,6 @@
 #ifndef NORMA_CLI_REPORT_REPORT_H
 #define NORMA_CLI_REPORT_REPORT_H
 #include "cli/check/check.h"
-#include <stddef.h>
-#include <stdint.h>
 
 /* ---- The reports as files, which are read twice: once to see where each entry stands,
  * and again, entry by entry, when the merged report is written. */

@@ -1,8 +1,6 @@
 /* norma tangents: tangents for normal maps, written into a copy of each glTF; and norma pack: its
  * normals and tangents in fewer bytes, within an angle. */
 #include "cli/files/files.h"
-#include "cli/process/process.h"
-#include "cli/text/text.h"
 #include <string.h>
 
 /* ---- norma tangents */
