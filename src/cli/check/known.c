@@ -624,7 +624,7 @@ void check_baseline_add(check_baseline *baseline, const char *known, size_t size
     baseline->incomplete |= forgot;
     for (const char *at = known, *end = known + size; at < end;) {
         char *path;
-        const size_t count = strtoull(at, &path, 10);
+        const size_t count = (size_t)strtoull(at, &path, 10);
         const norma_severity severity = (norma_severity)strtol(path, &path, 10);
         ++path; /* a blank */
         const char *rule = path + strlen(path) + 1, *where = rule + strlen(rule) + 1;

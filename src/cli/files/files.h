@@ -99,10 +99,10 @@ int cli_compare_inputs(const void *a, const void *b); /* for qsort: by path, as 
  * components. A pattern without a slash is compared with the last one. */
 int cli_path_matches(const char *pattern, const char *path);
 char *cli_join(const char *folder, const char *name); /* the caller's to free */
+const char *cli_base_name(const char *path);          /* behind its last slash */
 
 /* ---- Where the output of each input goes, and whether it may (outputs.c). */
 
-const char *cli_base_name(const char *path);           /* behind its last slash */
 int cli_ends_in(const char *path, const char *ending); /* in letters of either case */
 int cli_is_folder(const char *path);
 int cli_is_standard(const char *name); /* "-" */

@@ -580,6 +580,11 @@ static int add_pattern(const cli_subcommand *command, cli_inputs *inputs, const 
     return cli_usage(command, "the pattern '%s' matches no file", pattern);
 }
 
+const char *cli_base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 static size_t base_of(const char *path) { return (size_t)(cli_base_name(path) - path); }
 
 typedef struct tile_list {

@@ -86,11 +86,6 @@ void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file
  * in that folder; if two files would meet, all keep their place below the folder that they share.
  */
 
-const char *cli_base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 int cli_ends_in(const char *path, const char *ending) {
     const char *name = cli_base_name(path);
     const size_t length = strlen(name), size = strlen(ending);
