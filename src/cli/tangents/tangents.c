@@ -84,7 +84,7 @@ static void write_tangents_json(const void *user, cli_json *json) {
     const tangents_work *work = user;
     const norma_tangent_summary *summary = &work->summary;
     cli_json_print(json, "mode: %s, texcoord: %zd, vertices: {before: %zu, after: %zu}",
-        mode_name(work), work->options.texcoord_given ? work->options.texcoord : SIZE_MAX,
+        mode_name(work), work->options.texcoord_given ? (size_t)work->options.texcoord : SIZE_MAX,
         summary->vertices_before, summary->vertices_after);
     cli_json_print(json,
         "report: {degenerate: %zu, non_finite: %zu, cancelled: %zu}, primitives: %zu, "
