@@ -14,7 +14,7 @@ list() {
     case $1 in
     weight) cat <<'LIST' ;;
 include/norma/norma.h | NORMA_WEIGHT_UPPER\b | the constant, its formula and source
-src/core/call/weight.h | "NAME" | the row of the table: the code follows from it
+src/core/call/call.h | "NAME" | the row of the table: the code follows from it
 src/cli/text | \bNAME\b | the message
 src/cli/compute | \bNAME\b | the help of norma compute
 src/cli/tangents | \bNAME\b | the help of norma tangents
@@ -75,7 +75,7 @@ LIST
 
 names() {
     case $1 in
-    weight) sed -nE 's/^ *W\([A-Z_]+, "([a-z-]+)".*/\1/p' src/core/call/weight.h ;;
+    weight) sed -nE 's/^ *W\([A-Z_]+, "([a-z-]+)".*/\1/p' src/core/call/call.h ;;
     rule) sed -nE 's/^RULE\((N[0-9]+),.*/\1/p' src/check/findings/rules.def ;;
     format) printf '%s\n' obj ply stl gltf glb ;;
     verb) grep -oE 'cli_subcommand_[a-z]+' src/cli/main.c | sed 's/cli_subcommand_//' | sort -u ;;

@@ -266,8 +266,6 @@ static void add_triangles(const core_adder *adder, size_t begin, size_t end) {
 
 /* ---- faces of any number of corners, measured a block at a time */
 
-static const core_kernels KERNELS;
-
 /* Asks for the positions of a block to come. */
 static void ask_for_polygons(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t last = norma_core_face_begin(mesh, end);
@@ -319,8 +317,7 @@ FOR_VECTORS static void add_polygons(const core_adder *adder, size_t begin, size
     core_measured measured;
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
-        norma_core_measure_faces(
-            &KERNELS, adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
+        measure_faces(adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
         const uint32_t *sums =
             adder->targets ? adder->targets + norma_core_face_begin(adder->mesh, f) : measured.at;
         if (adder->scattered) {
@@ -346,4 +343,4 @@ FOR_ROWS static int finish_sums(const core_vertex_sum *sums, float (*normals)[3]
 /* ---- what a level has */
 
 static const core_kernels KERNELS = {
-    measure_batch, measure_alike, add_triangles, CORE_IS_SMALL ? NULL : add_polygons, finish_sums};
+    measure_batch, measure_faces, add_triangles, CORE_IS_SMALL ? NULL : add_polygons, finish_sums};

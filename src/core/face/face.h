@@ -3,7 +3,6 @@
 #ifndef NORMA_CORE_FACE_FACE_H
 #define NORMA_CORE_FACE_FACE_H
 #include "core/call/call.h"
-#include "core/call/weight.h"
 #include "core/mesh/mesh.h"
 #include <math.h>
 #include <norma/norma.h>
@@ -226,8 +225,8 @@ static inline uint64_t norma_core_triangle_key(uint32_t third) { return (uint64_
 /* The key that the twins of a face with this key have. */
 static inline uint64_t norma_core_key_of_twin(uint64_t key) { return key ^ ((~key >> 1) & 1); }
 
-/* ---- face_kernel.c: faces of three to eight corners measured many at a time, eight of equally
- * many corners at once. Faces of more corners, and what doubles do not decide, are left to
+/* ---- face_kernel.template.h: faces of three to eight corners measured many at a time, eight of
+ * equally many corners at once. Faces of more corners, and what doubles do not decide, are left to
  * face_geometry.c, whose bits these are. */
 
 enum {
@@ -248,11 +247,6 @@ typedef struct core_measured {
     const uint32_t *at;                  /* of each corner its position, welded where they are */
     uint32_t room[CORE_CORNERS_AT_ONCE]; /* for at, where it is not the mesh's */
 } core_measured;
-
-typedef struct core_kernels core_kernels; /* below */
-/* The faces from begin to before end, CORE_FACES_AT_ONCE at most. */
-void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh, size_t begin,
-    size_t end, norma_weight weight, core_corners wanted, core_measured *out);
 
 /* ---- the direction and size of a face, and what each of its corners weighs (face_geometry.c). */
 
@@ -318,28 +312,21 @@ typedef struct core_adder {
     void *context;
 } core_adder;
 
-/* Faces of one block, of which those from one slot to before another have equally many corners. */
-typedef struct core_faces_alike {
-    const core_mesh *mesh;
-    const uint32_t *at; /* of each corner of the block its position, as the mesh names it */
-    norma_weight weight;
-    core_corners wanted;
-    core_measured *out;
-} core_faces_alike;
-
-struct core_kernels {
+typedef struct core_kernels {
     /* Of all corners; the batch's edges are set. */
     void (*measure)(core_batch *batch, norma_weight weight);
-    void (*measure_alike)(const core_faces_alike *faces, size_t begin, size_t end, size_t corners);
+    /* The faces from begin to before end, CORE_FACES_AT_ONCE at most. */
+    void (*measure_faces)(const core_mesh *mesh, size_t begin, size_t end, norma_weight weight,
+        core_corners wanted, core_measured *out);
     /* Add the faces from begin to before end, in ascending order. */
     void (*add_triangles)(const core_adder *adder, size_t begin, size_t end);
     void (*add_polygons)(const core_adder *adder, size_t begin, size_t end);
     /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels,
      * or is beyond what doubles square, none of them is to be used. */
     int (*finish)(const core_vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
-};
+} core_kernels;
 
-/* kernels.c: those of a level. Every level gives the same bits. */
+/* face_geometry.c: those of a level. Every level gives the same bits. */
 const core_kernels *norma_core_kernels(core_level level);
 const core_kernels *norma_core_kernels_portable(void);
 #if defined(CORE_HAS_X86)

@@ -132,6 +132,17 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 
 /* ---- some at a time */
 
+const core_kernels *norma_core_kernels(core_level level) {
+#if defined(CORE_HAS_AVX512)
+    if (level == CORE_AVX512) return norma_core_kernels_avx512();
+#endif
+#if defined(CORE_HAS_X86)
+    if (level == CORE_AVX2) return norma_core_kernels_avx2();
+#endif
+    (void)level;
+    return norma_core_kernels_portable();
+}
+
 unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *mesh,
     norma_weight weight, const size_t *faces, size_t count, core_batch *batch) {
     uint32_t at[CORE_LANES][3];
@@ -163,8 +174,8 @@ static void take_measured(const core_measured *measured, size_t i, core_face *ou
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out) {
     core_measured measured;
-    norma_core_measure_faces(norma_core_kernels(call->level), mesh, face, face + count,
-        NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    norma_core_kernels(call->level)
+        ->measure_faces(mesh, face, face + count, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
     for (size_t i = 0; i < count; ++i) {
         if (measured.corners[i])
             take_measured(&measured, i, &out[i]);
@@ -415,8 +426,8 @@ static int take_all_normals(const core_measured *measured, size_t count, float (
 static void write_block(const face_work *work, size_t begin, size_t end, core_tally *tally) {
     core_measured measured;
     float normals[CORE_FACES_AT_ONCE][3];
-    norma_core_measure_faces(
-        work->kernels, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    work->kernels->measure_faces(
+        work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
     if (take_all_normals(&measured, end - begin, normals)) {
         norma_core_write_normals(work->output, begin, end - begin, (const float(*)[3])normals);
         return;

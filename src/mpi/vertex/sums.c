@@ -1,7 +1,6 @@
 /* sums.c: the sum at each position, in ascending number of faces, wherever they are. */
 #include "mpi/vertex/vertex.h"
 #include "core/call/call.h"
-#include "core/call/weight.h"
 #include "core/corner/corner.h"
 
 /* ---- The votes that came from all ranks, merged by the numbers of their faces and added
