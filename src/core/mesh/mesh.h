@@ -159,7 +159,7 @@ norma_result norma_core_weld_keys(
 norma_result norma_core_weld(core_call *call, core_mesh *mesh);
 void norma_core_unweld(const core_call *call, core_mesh *mesh);
 
-/* ---- the corners around each position (corners_of_position.c). */
+/* ---- the corners around each position (mesh.c). */
 
 typedef struct core_corners_of_position {
     uint32_t *starts;  /* position_count + 1 offsets into corners */

@@ -20,32 +20,7 @@ static inline void norma_core_add_vote(
     sum->weight += weight;
 }
 
-/* ---- what becomes of each vertex, by sums or by cones, before it is written. */
-
-typedef struct core_vertices {
-    core_prepared_mesh *prepared;
-    size_t count;          /* vertices */
-    core_vertex_sum *sums; /* of positions */
-    uint32_t *own; /* NULL where nothing cancels; else of each vertex its number in own_sums,
-                      UINT32_MAX: its position's sum stands */
-    core_vertex_sum *own_sums; /* of the corners of one vertex alone */
-    size_t own_count;
-    float (*normals)[3]; /* of cones, instead of sums: of positions, and of vertices with a result
-                            of their own */
-    uint8_t *reasons;
-} core_vertices;
-
-static inline void norma_core_release_vertices(core_vertices *vertices) {
-    const core_call *call = vertices->prepared->call;
-    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
-    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
-    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
-    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
-    norma_core_release(call, vertices->reasons, vertices->count, 1);
-    *vertices = (core_vertices){.prepared = vertices->prepared};
-}
-
-/* ---- vertex_sums.c: votes of all faces of a mesh, added up. */
+/* ---- vertex_normals.c: votes of all faces of a mesh, added up. */
 
 typedef struct core_voting {
     core_call *call;
@@ -80,19 +55,6 @@ norma_result norma_core_sum_bins(const core_voting *voting, core_vertex_sum *sum
 /* All count sums, kept. */
 norma_result norma_core_sum_all(
     const core_voting *voting, core_vertex_sum *sums, core_tally *tally);
-
-/* The same of a prepared mesh's vertices: *written: whether it could be done bin by bin, and all
- * but what takes the nearest normal is written. */
-norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
-    const core_output *output, core_tally *tally, int *written);
-
-/* All sums, kept. What it returns but NORMA_OK leaves nothing to release. tally: degenerate faces
- * are added. ranges: of the chunks of faces; those of a welded mesh may be made ranges of welded
- * positions. */
-norma_result norma_core_sum_vertices(
-    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally);
-/* The normal of a vertex by its sum, with NORMA_REASON_NONE, or the reason why it has none. */
-int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 
 /* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how
  * they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at
