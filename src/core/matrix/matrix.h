@@ -96,7 +96,7 @@ static inline int norma_vec3_unit(double v[3]) {
     return 1;
 }
 
-/* ---- What the files about skins share (skin.c, skin_block.c, skin_dual.c, skin_exact.c). */
+/* ---- What the files about skins share (skin.c, skin_block.c). */
 
 /* A matrix as a row of sixteen doubles, two registers of AVX-512: the first nine of it, its
  * translation, and its size, the largest of the nine. Rows are added up whole. */
@@ -120,11 +120,6 @@ typedef struct skin_stream {
 /* Moves count vertices, from first on. tally: for normals only. */
 void norma_skin_move(const skin_stream *s, size_t first, size_t count, core_tally *tally);
 
-/* The matrix in row becomes its stretch, and dual its rotation and translation; B of one vertex. */
+/* The matrix in row becomes its stretch, and dual its rotation and translation. */
 void norma_skin_prepare_dual(double row[SKIN_ROW], double dual[8]);
-void norma_skin_blend_dual(const skin_stream *s, size_t vertex, double b[SKIN_ROW]);
-
-/* A multiple of sign(det B) cof(B) n; 0 where that is exactly zero. */
-int norma_skin_exact_normal(const skin_stream *s, size_t vertex, const double n[3], double out[3]);
-int norma_skin_exactly_mirrors(const skin_stream *s, size_t vertex);
 #endif

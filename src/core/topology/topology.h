@@ -197,7 +197,7 @@ norma_result norma_core_box_tree_build(
     core_call *call, size_t count, core_box_of *box_of, void *context, core_box_tree *tree);
 void norma_core_box_tree_release(const core_call *call, core_box_tree *tree);
 
-/* triangle_tree.c: the finite triangles of a mesh's faces: by fans from their first corners; or by
+/* The finite triangles of a mesh's faces: by fans from their first corners; or by
  * cutting them as they are drawn, without those of no area. */
 typedef enum core_triangles_by { CORE_TRIANGLES_FANS = 0, CORE_TRIANGLES_CUT } core_triangles_by;
 

@@ -8,11 +8,19 @@ static core_level chosen_level(norma_isa isa);
 #define norma_encode_normals     encode_as_chosen
 #define norma_decode_normals     decode_as_chosen
 #define norma_encoding_error_rad error_as_chosen
+#define norma_encode_snorm8      encode_8_unchosen
+#define norma_encode_snorm16     encode_16_unchosen
+#define norma_decode_snorm8      decode_8_unchosen
+#define norma_decode_snorm16     decode_16_unchosen
 #include "core/matrix/encode.c"
 #undef norma_core_level
 #undef norma_encode_normals
 #undef norma_decode_normals
 #undef norma_encoding_error_rad
+#undef norma_encode_snorm8
+#undef norma_encode_snorm16
+#undef norma_decode_snorm8
+#undef norma_decode_snorm16
 
 #include "check.h"
 #include "oracle/shapes.h"
