@@ -93,12 +93,9 @@ CORE_FOR_AVX2 static int influences_avx2(const norma_skin *s, size_t size) {
     return influences_in_c(s, size);
 }
 #endif
-#if defined(CORE_HAS_AVX512)
-#define influences_avx512 influences_avx2 /* memory is no faster for it */
-#endif
 
 static norma_result check_influences(const norma_skin *s, norma_isa isa, norma_fault *fault) {
-    static int (*const kernels[])(const norma_skin *, size_t) = CORE_KERNELS(influences);
+    static int (*const kernels[])(const norma_skin *, size_t) = CORE_KERNELS_TO_AVX2(influences);
     const size_t size = s->joint_size ? s->joint_size : 2;
     size_t i = 0;
     if (kernels[norma_core_level(isa)](s, size)) return NORMA_OK;

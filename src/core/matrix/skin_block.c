@@ -358,54 +358,6 @@ CORE_INLINE void turn_rows(skin_block *block, int columns, int is_wide) {
             block->b[column][i] = block->row[i][column];
 }
 
-#if defined(CORE_HAS_AVX512)
-#include <immintrin.h>
-/* The product of two floats is exact in a double, so that it may be rounded with the sum. */
-CORE_IN_REGISTERS void add_joints_avx512(double (*rows)[SKIN_ROW], const unsigned char *joints,
-    size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW]) {
-    __m512d low = _mm512_set1_pd(0.0), high = low;
-    for (size_t k = 0; k < count; ++k) {
-        const double *from = rows[norma_index_read(joints, joint_size, k)];
-        const __m512d weight = _mm512_set1_pd(weights[k]);
-        low = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from), low);
-        high = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from + 8), high);
-    }
-    _mm512_storeu_pd(row, low);
-    _mm512_storeu_pd(row + 8, high);
-}
-
-CORE_IN_REGISTERS void blend_rows_avx512(
-    const skin_stream *s, size_t first, size_t count, skin_block *block) {
-    const size_t influences = s->influences, size = s->joint_size, bytes = influences * size;
-    const unsigned char *joints = s->joints + first * bytes;
-    double(*const rows)[SKIN_ROW] = s->rows;
-    if (is_usual(s))
-        for (size_t i = 0; i < count; ++i)
-            add_joints_avx512(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);
-    else
-        for (size_t i = 0; i < count; ++i)
-            add_joints_avx512(rows, joints + i * bytes, size, block->weight + i * influences,
-                influences, block->row[i]);
-}
-
-/* Four columns of eight vertices. */
-CORE_IN_REGISTERS void turn_columns_avx512(skin_block *block, int i, int column) {
-    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0),
-                  high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
-    __m512d r[4];
-    for (int k = 0; k < 4; ++k)
-        r[k] =
-            _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(block->row[i + k] + column)),
-                _mm256_loadu_pd(block->row[i + k + 4] + column), 1);
-    const __m512d even01 = _mm512_unpacklo_pd(r[0], r[1]), odd01 = _mm512_unpackhi_pd(r[0], r[1]),
-                  even23 = _mm512_unpacklo_pd(r[2], r[3]), odd23 = _mm512_unpackhi_pd(r[2], r[3]);
-    _mm512_storeu_pd(block->b[column] + i, _mm512_permutex2var_pd(even01, low, even23));
-    _mm512_storeu_pd(block->b[column + 1] + i, _mm512_permutex2var_pd(odd01, low, odd23));
-    _mm512_storeu_pd(block->b[column + 2] + i, _mm512_permutex2var_pd(even01, high, even23));
-    _mm512_storeu_pd(block->b[column + 3] + i, _mm512_permutex2var_pd(odd01, high, odd23));
-}
-#endif
-
 /* ---- what is moved */
 
 CORE_INLINE void read_vectors(
@@ -684,24 +636,8 @@ CORE_INLINE void finish_block(
         move_block(s, first, count, block);
 }
 
-CORE_INLINE void ask_for(const void *from, size_t bytes) {
-    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)from + i);
-}
-
-/* Memory would idle during the sums: what is read two blocks on is asked for now. */
-CORE_INLINE void ask_ahead(const skin_stream *s, size_t first) {
-    const size_t at = first + (size_t)2 * BLOCK, stride = norma_view_stride(&s->in);
-    if (!is_usual(s) || stride > 16 || s->out.stride > 16) return;
-    if (at + BLOCK > s->skin->vertex_count) return;
-    ask_for(s->skin->weights + 4 * at, BLOCK * 4 * sizeof(float));
-    ask_for(s->joints + 8 * at, (size_t)BLOCK * 8);
-    ask_for((const char *)s->in.data + at * stride, BLOCK * stride);
-    ask_for((const char *)s->out.normals + at * s->out.stride, BLOCK * s->out.stride);
-}
-
 CORE_INLINE void skin_in_c(const skin_stream *s, size_t first, size_t count, skin_block *block,
     core_tally *tally, int is_wide) {
-    ask_ahead(s, first);
     read_block_weights(s, first, count, block);
     blend_rows(s, first, count, block, is_wide);
     turn_rows(block, columns_to_turn(s, tally), is_wide);
@@ -721,24 +657,9 @@ CORE_FOR_AVX2 static void skin_block_avx2(
     skin_in_c(s, first, count, block, tally, 1);
 }
 #endif
-#if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void skin_block_avx512(
-    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
-    const int columns = columns_to_turn(s, tally);
-    ask_ahead(s, first);
-    read_block_weights(s, first, count, block);
-    if (s->skin->blend == NORMA_BLEND_LINEAR)
-        blend_rows_avx512(s, first, count, block);
-    else
-        blend_rows(s, first, count, block, 1);
-    for (int i = 0; i < BLOCK; i += 8)
-        for (int column = 0; column < columns; column += 4) turn_columns_avx512(block, i, column);
-    finish_block(s, first, count, block, tally);
-}
-#endif
 
 void norma_skin_move(const skin_stream *s, size_t first, size_t count, core_tally *tally) {
-    static skin_kernel *const kernels[] = CORE_KERNELS(skin_block);
+    static skin_kernel *const kernels[] = CORE_KERNELS_TO_AVX2(skin_block);
     const size_t end = first + count;
     skin_block block;
     memset(block.row, 0, sizeof block.row);
