@@ -41,13 +41,6 @@ static void record_triangle(
             v[i == 0 ? 2 : i - 1]};
 }
 
-/* Asks for the vertices of the triangles from this one on. */
-static void await_vertices(const mikk_mesh *m, size_t triangle) {
-    const size_t rest = m->count - triangle, count = rest < MIKK_LANES ? rest : MIKK_LANES;
-    for (size_t c = 3 * triangle; c < 3 * (triangle + count); ++c)
-        TANGENT_PREFETCH(&m->vertices[m->triangles[c]]);
-}
-
 static void core_mikk_flag_lanes(const mikk_mesh *m, const mikk_kernels *kernels, size_t triangle,
     size_t count, mikk_batch *batch) {
     mikk_addends out;
@@ -69,7 +62,6 @@ static void flag_task(void *context, size_t task) {
                  end = m->count - begin < TRIANGLES_IN_TASK ? m->count : begin + TRIANGLES_IN_TASK;
     for (size_t t = begin; t < end; t += MIKK_LANES) {
         const size_t count = end - t < MIKK_LANES ? end - t : MIKK_LANES;
-        await_vertices(m, t + count);
         core_mikk_flag_lanes(m, f->kernels, t, count, &batch);
     }
 }
@@ -253,7 +245,6 @@ static void cut_task(void *context, size_t task) {
                  end = faces - begin < FACES_IN_TASK ? faces : begin + FACES_IN_TASK;
     size_t triangle = c->starts ? c->starts[task] : begin;
     for (size_t face = begin; face < end; ++face) {
-        norma_core_tangent_await(c->mesh->input, face + TANGENT_FACES_AHEAD);
         triangle += cut_mikk_face(c, face, triangle);
     }
 }
@@ -291,7 +282,6 @@ static void record_task(void *context, size_t task) {
     mikk_batch batch = {0};
     for (size_t t = begin; t < end; t += MIKK_LANES) {
         const size_t count = end - t < MIKK_LANES ? end - t : MIKK_LANES;
-        for (size_t l = 0; l < count; ++l) norma_core_tangent_await(m->input, t + l + MIKK_LANES);
         for (size_t i = 3 * t; i < 3 * (t + count); ++i)
             m->triangles[i] = norma_core_tangent_vertex(m->input, i);
         memset(m->flags + t, 0, count);

@@ -381,8 +381,7 @@ enum {
     CORNERS_IN_BATCH = 256,
     BLOCKS = (CORNERS_IN_BATCH + MIKK_SMALL_STAR) / MIKK_LANES,
     LANES_IN_BATCH = BLOCKS * MIKK_LANES,
-    VERTICES_IN_TASK = 1 << 12,
-    RECORDS_AHEAD = 48 /* corners */
+    VERTICES_IN_TASK = 1 << 12
 };
 
 typedef struct star_work {
@@ -410,18 +409,7 @@ typedef struct star_corners {
     uint8_t *flags;
 } star_corners;
 
-/* Asks for the triangles at this vertex and those that come after it in the next batch. */
-static void await_triangles(const mikk_mesh *m, size_t vertex) {
-    const size_t begin = m->around.starts[vertex], rest = m->around.starts[m->vertex_count] - begin,
-                 count = rest < CORNERS_IN_BATCH ? rest : CORNERS_IN_BATCH;
-    const uint32_t *corners = m->around.corners + begin;
-    for (size_t j = 0; j < count; ++j) {
-        TANGENT_PREFETCH(&m->triangles[corners[j] - corners[j] % 3]);
-        TANGENT_PREFETCH(&m->flags[corners[j] / 3]);
-    }
-}
-
-/* Who is beside each of count corners; asks for their vertices, and for where tangents go. */
+/* Who is beside each of count corners. */
 static void read_star_triangles(
     const star_work *w, const uint32_t *corners, size_t count, const star_corners *out) {
     static const uint8_t following[] = {1, 2, 0}, preceding[] = {2, 0, 1};
@@ -431,9 +419,6 @@ static void read_star_triangles(
         out->next[j] = triangle[following[at]];
         out->previous[j] = triangle[preceding[at]];
         out->flags[j] = m->flags[corners[j] / 3];
-        TANGENT_PREFETCH(&m->vertices[out->next[j]]);
-        TANGENT_PREFETCH(&m->vertices[out->previous[j]]);
-        TANGENT_PREFETCH(w->output->tangents + mikk_target(m, corners[j]) * w->output->stride);
     }
 }
 
@@ -625,7 +610,6 @@ static size_t run_batch(
     size_t filled, first = 0;
     const size_t vertex = gather_batch(m, s, begin, end, &filled);
     read_star_triangles(w, s->corners, filled, &out);
-    await_triangles(m, vertex);
     contribute_corners(w, s->corners, filled, &s->batch, s->contributions);
     for (size_t v = begin; v < vertex; ++v) {
         if (mikk_star_count(m, v) > MIKK_SMALL_STAR) continue;
@@ -638,19 +622,6 @@ static size_t run_batch(
 }
 
 /* ---- small stars of recorded triangles */
-
-/* Asks for the records of the corners that come some after these, and for where tangents go. */
-static void await_records(const star_work *w, size_t begin, size_t end) {
-    const mikk_mesh *m = w->mesh;
-    const size_t count = m->around.starts[m->vertex_count];
-    for (size_t i = begin; i < end; ++i) {
-        if (i + RECORDS_AHEAD >= count) return;
-        const uint32_t corner = m->around.corners[i + RECORDS_AHEAD];
-        TANGENT_PREFETCH(&m->records[corner]);
-        TANGENT_PREFETCH(&m->records[corner].previous);
-        TANGENT_PREFETCH(w->output->tangents + mikk_target(m, corner) * w->output->stride);
-    }
-}
 
 static void group_records(const star_work *w, small_stars *s, mikk_star *star) {
     for (size_t j = 0; j < star->count; ++j) {
@@ -670,7 +641,6 @@ static void run_recorded(
     for (size_t v = begin; v < end; ++v) {
         if (mikk_star_count(m, v) > MIKK_SMALL_STAR) continue;
         mikk_star star = small_star(w, s, v, 0);
-        await_records(w, m->around.starts[v], m->around.starts[v + 1]);
         group_records(w, s, &star);
         write_star(w, &star, tally);
     }
@@ -686,7 +656,6 @@ static void mikk_star_task(void *context, size_t task) {
         run_recorded(w, &s, begin, end, &w->tallies[task]);
         return;
     }
-    await_triangles(w->mesh, begin);
     for (size_t v = begin; v < end;) v = run_batch(w, &s, v, end, &w->tallies[task]);
 }
 

@@ -197,15 +197,9 @@ CORE_FOR_AVX2 static void add_up_steady_avx2(
     add_up_steady(b, weight, out);
 }
 #endif
-#if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void add_up_steady_avx512(
-    const steady_batch *restrict b, norma_weight weight, steady_addends *restrict out) {
-    add_up_steady(b, weight, out);
-}
-#endif
 
 static steady_kernel *core_steady_kernel(norma_isa isa) {
-    static steady_kernel *const kernels[] = CORE_KERNELS(add_up_steady);
+    static steady_kernel *const kernels[] = CORE_KERNELS_TO_AVX2(add_up_steady);
     return kernels[norma_core_level(isa)];
 }
 
@@ -443,7 +437,6 @@ static void add_steady_triangles(const steady_mesh *m, size_t begin, size_t end)
     for (size_t t = begin; t < end; t += STEADY_LANES) {
         const int count = end - t < STEADY_LANES ? (int)(end - t) : STEADY_LANES;
         for (int l = 0; l < count; ++l) {
-            norma_core_tangent_await(m->input, t + (size_t)l + TANGENT_FACES_AHEAD);
             starts[l] = load_face_lane(m, t + (size_t)l, l, &batch);
         }
         kernel(&batch, m->call->options.weight, &out);
@@ -469,7 +462,6 @@ static void face_task(void *context, size_t task) {
         return;
     }
     for (size_t face = begin; face < end; ++face) {
-        norma_core_tangent_await(m->input, face + TANGENT_FACES_AHEAD);
         add_steady_face(m, face);
     }
 }
@@ -483,7 +475,7 @@ static norma_result core_steady_faces(steady_mesh *m) {
 
 /* ---- The sums at each vertex, one over the faces of each sign. */
 
-enum { VERTICES_IN_TASK = 1 << 11, STARS_AHEAD = 8, MOST_AHEAD = 64 };
+enum { VERTICES_IN_TASK = 1 << 11 };
 
 typedef struct steady_work {
     const steady_mesh *mesh;
@@ -588,24 +580,11 @@ static size_t steady_star_count(const steady_mesh *m, size_t vertex) {
     return m->around.starts[vertex + 1] - m->around.starts[vertex];
 }
 
-/* Asks for what the star of this vertex reads, and for where its tangents go. */
-static void await_star(const steady_work *w, size_t vertex) {
-    const steady_mesh *m = w->mesh;
-    if (vertex >= m->input->key_count || steady_star_count(m, vertex) > MOST_AHEAD) return;
-    for (uint32_t i = m->around.starts[vertex]; i < m->around.starts[vertex + 1]; ++i) {
-        const uint32_t corner = m->around.corners[i];
-        TANGENT_PREFETCH(&m->parts[corner]);
-        TANGENT_PREFETCH(&m->signs[norma_core_face_of(&m->around, corner)]);
-        TANGENT_PREFETCH(w->output->tangents + corner * w->output->stride);
-    }
-}
-
 static void steady_star_task(void *context, size_t task) {
     const steady_work *w = context;
     const size_t count = w->mesh->input->key_count, begin = task * VERTICES_IN_TASK,
                  end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
     for (size_t v = begin; v < end; ++v) {
-        await_star(w, v + STARS_AHEAD);
         if (steady_star_count(w->mesh, v)) finish_star(w, (uint32_t)v, &w->tallies[task]);
     }
 }

@@ -57,22 +57,6 @@ static inline uint32_t norma_core_tangent_vertex(const tangent_mesh *mesh, size_
     return mesh->weld ? mesh->weld[key] : key;
 }
 
-/* Where meshes are in no order, memory is slow, and asked for what is read soon. */
-#if defined(__GNUC__)
-#define TANGENT_PREFETCH(at) __builtin_prefetch(at)
-#else
-#define TANGENT_PREFETCH(at) ((void)(at))
-#endif
-enum { TANGENT_FACES_AHEAD = 12 };
-
-/* Asks for the vertices of a face. */
-static inline void norma_core_tangent_await(const tangent_mesh *m, size_t face) {
-    if (face >= m->mesh.face_count) return;
-    const size_t end = norma_core_face_end(&m->mesh, face);
-    for (size_t c = norma_core_face_begin(&m->mesh, face); c < end; ++c)
-        TANGENT_PREFETCH(&m->vertices[norma_core_tangent_key(m, c)]);
-}
-
 static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
     float zero = 0; /* NaN minus itself is NaN, and so is infinity minus itself */
     for (int k = 0; k < 3; ++k) zero += v->position[k] - v->position[k];
