@@ -286,9 +286,6 @@ typedef struct position_visit {
     void *context;
     const core_output *output; /* NULL, or where see does nothing but write fans that have normals,
                                   which many stars' may then be at once */
-    const void
-        *target; /* NULL, or where the visitor will write: target_size bytes for each corner */
-    size_t target_size;
 } position_visit;
 
 /* Whether a call asks for what edges are counted for. */
@@ -341,11 +338,9 @@ typedef struct listed_star {
 
 typedef struct star_list {
     size_t corner_count, star_count;
-    const position_visit *visit;
     const uint32_t *corners; /* of each star ascending, as its sums run */
     uint32_t least, most;    /* of the corners */
-    int scattered;    /* their faces lie far apart: what memory they need is asked for ahead */
-    uint32_t waiting; /* faces to measure; of polygons, one for each corner */
+    uint32_t waiting;        /* faces to measure; of polygons, one for each corner */
     uint32_t key[BATCH_CORNERS];
     uint32_t face[BATCH_CORNERS + 1];  /* of each that waits its number */
     uint32_t at[BATCH_CORNERS + 8][3]; /* and its positions, as the mesh names them; of polygons'
@@ -374,8 +369,8 @@ typedef struct fan_batch {
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);
-/* Reads the corners of the faces that are not kept yet, and asks for their positions; once the list
- * before the last is settled. */
+/* Reads the corners of the faces that are not kept yet; once the list before the last is settled.
+ */
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list);
 /* Joins and sums the fans of all stars in the list; 0: some are not ordinary. edges
  * may be NULL. */

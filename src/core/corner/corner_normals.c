@@ -244,7 +244,7 @@ static norma_result core_visit_large_star(const core_prepared_mesh *prepared,
  * few, and come last, one after the other, in memory that is taken once. Where triangles without a
  * direction turn up, their stars wait until it is known whose they borrow. */
 
-enum { POSITIONS_IN_CHUNK = 2048, FAR_APART = 1 << 17 };
+enum { POSITIONS_IN_CHUNK = 2048 };
 
 typedef struct visit_all {
     core_prepared_mesh *prepared;
@@ -347,7 +347,7 @@ static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_ba
     star_list *list, stars_part *part) {
     const uint32_t *starts = v->prepared->corners_of.starts,
                    *corners = v->prepared->corners_of.corners;
-    uint32_t count = 0, stars = 0, least = UINT32_MAX, most = 0, widest = 0;
+    uint32_t count = 0, stars = 0, least = UINT32_MAX, most = 0;
     list->corners = NULL;
     for (; position < end; ++position) {
         const uint32_t size = starts[position + 1] - starts[position],
@@ -364,14 +364,11 @@ static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_ba
         count += size;
         least = at[0] < least ? at[0] : least;
         most = at[size - 1] > most ? at[size - 1] : most;
-        widest = at[size - 1] - at[0] > widest ? at[size - 1] - at[0] : widest;
     }
-    list->visit = v->visit;
     list->corner_count = count;
     list->star_count = stars;
     list->least = least;
     list->most = most;
-    list->scattered = widest > FAR_APART;
     norma_core_read_list(v->prepared, batch, list);
     return position;
 }
@@ -383,23 +380,18 @@ static kept_faces *take_kept(const visit_all *v) {
     return &v->kept[at];
 }
 
-/* While one list is worked on, the memory of the next is on its way. */
 static void visit_in_batches(const visit_all *v, size_t position, size_t end, stars_part *part) {
-    star_list lists[2];
+    star_list list;
     fan_batch batch;
-    int at = 0;
     batch.kept = take_kept(v);
-    position = list_stars(v, position, end, &batch, &lists[at], part);
-    while (lists[at].star_count) {
-        position = list_stars(v, position, end, &batch, &lists[!at], part);
-        const int all = v->settle(
-            v->prepared, &lists[at], &batch, v->visit->counting ? &part->counts.edges : NULL);
+    while (position = list_stars(v, position, end, &batch, &list, part), list.star_count) {
+        const int all =
+            v->settle(v->prepared, &list, &batch, v->visit->counting ? &part->counts.edges : NULL);
         if (all && batch.all_decided && v->visit->output)
-            write_ordinary(v->visit->output, &lists[at], &batch);
+            write_ordinary(v->visit->output, &list, &batch);
         else
-            see_ordinary(v, &lists[at], &batch, part);
-        if (!all) visit_singly(v, &lists[at], part);
-        at = !at;
+            see_ordinary(v, &list, &batch, part);
+        if (!all) visit_singly(v, &list, part);
     }
     atomic_store_explicit(&batch.kept->taken, 0, memory_order_release);
 }
@@ -623,9 +615,7 @@ static norma_result compute_corners(
         .by_fan = 1,
         .see = write_fans,
         .context = &work,
-        .output = output->nearest || output->reasons ? NULL : output,
-        .target = output->normals,
-        .target_size = output->stride};
+        .output = output->nearest || output->reasons ? NULL : output};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1)))
         return NORMA_ERROR_MEMORY;
     if (work.reasons) memset(work.reasons, NORMA_REASON_NONE, count);

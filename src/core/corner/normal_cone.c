@@ -198,25 +198,20 @@ static int narrow(const cone *few, cone *c) {
 
 /* ---- the search */
 
-typedef struct outmost {
-    size_t found;
-    double least, next;
-} outmost; /* the normal with the least dot product (count: there are no normals), and the least
-              of the others */
-
-CORE_INLINE outmost farthest(
-    norma_core_cone_at *at, const void *context, size_t count, const double along[3]) {
-    outmost far = {count, 2, 2};
+/* The number of the normal with the least dot product, the first of equals (count: there are no
+ * normals); *least: that product. */
+CORE_INLINE size_t farthest(norma_core_cone_at *at, const void *context, size_t count,
+    const double along[3], double *least) {
+    size_t found = count;
+    *least = 2;
     for (size_t i = 0; i < count; ++i) {
         double n[3];
         if (!at(context, i, n)) continue;
         const double dot = norma_core_dot(along, n);
-        const int further = dot < far.least;
-        far.next = further ? far.least : lesser_cosine(far.next, dot);
-        far.least = further ? dot : far.least;
-        far.found = further ? i : far.found;
+        found = dot < *least ? i : found;
+        *least = dot < *least ? dot : *least;
     }
-    return far;
+    return found;
 }
 
 /* Takes in one that is outside c; c becomes what few was. 0: no open hemisphere holds them. */
@@ -228,32 +223,7 @@ static int take_in(cone **c, cone **few, size_t number, const double normal[3]) 
     return narrow(held, *c) && (*c)->cosine > 0x1p-30;
 }
 
-enum { CANCELLED, GOES_ON, SETTLED, MOST_STALLS = 32 };
-
-/* The first steps, from one to two to three, without making unit vectors: only what rounding cannot
- * turn. Where another is outside the cone of two, with s what it lacks, the cone with it has a
- * cosine that is less by s^2 / (8 sin^2) or s / 2 of that, which has to be more than rounding: so
- * it is known that it grows. SETTLED: axis is the result. */
-CORE_INLINE int begin(norma_core_cone_at *at, const void *context, size_t count, cone **c,
-    cone **few, double axis[3]) {
-    static const double CLEARLY = 0x1p-44; /* of products of unit vectors */
-    double normal[3], *one = (*c)->rim[0], *other = (*c)->rim[1];
-    outmost far = farthest(at, context, count, one);
-    if (!are_apart(far.least) || !(far.next - far.least > CLEARLY))
-        return axis_of(*c) ? GOES_ON : CANCELLED;
-    at(context, far.found, normal);
-    hold(*c, far.found, normal);
-    const double along[3] = {one[0] + other[0], one[1] + other[1], one[2] + other[2]},
-                 rim = lesser_cosine(norma_core_dot(along, one), norma_core_dot(along, other));
-    far = farthest(at, context, count, along);
-    if (far.least >= rim) return make_unit(along, axis) ? SETTLED : CANCELLED;
-    const double lacks = rim - far.least, square = norma_core_dot(along, along);
-    if (!(lacks > CLEARLY && far.next - far.least > CLEARLY &&
-            lacks * lacks > CLEARLY * (square - far.least * far.least + 0x1p-48)))
-        return axis_of(*c) ? GOES_ON : CANCELLED;
-    at(context, far.found, normal);
-    return take_in(c, few, far.found, normal) ? GOES_ON : CANCELLED;
-}
+enum { MOST_STALLS = 32 };
 
 CORE_INLINE int smallest_cone(
     norma_core_cone_at *at, const void *context, size_t count, double axis[3]) {
@@ -265,18 +235,19 @@ CORE_INLINE int smallest_cone(
     if (first == count) return 0;
     c->count = 0;
     hold(c, first, normal);
-    const int so_far = begin(at, context, count, &c, &few, axis);
-    if (so_far != GOES_ON) return so_far == SETTLED;
+    if (!axis_of(c)) return 0;
     for (;;) {
-        const outmost far = farthest(at, context, count, c->axis);
+        double least;
+        const size_t found = farthest(at, context, count, c->axis, &least);
         const double before = c->cosine;
-        if (far.least >= before - ROUNDING || is_held(c, far.found)) break;
-        at(context, far.found, normal);
-        if (!take_in(&c, &few, far.found, normal)) return 0;
+        if (least >= before - ROUNDING || is_held(c, found)) break;
+        at(context, found, normal);
+        if (!take_in(&c, &few, found, normal)) return 0;
         if (c->cosine < before) continue;
         /* No wider than before: what is left outside is rounding, or the cone is nearly a
          * hemisphere and grows by less than that. */
-        const double outside = c->cosine - farthest(at, context, count, c->axis).least;
+        (void)farthest(at, context, count, c->axis, &least);
+        const double outside = c->cosine - least;
         if (outside > 0x1p-30 && ++stalls < MOST_STALLS) continue;
         if (outside > 0x1p-20) return 0;
         break;

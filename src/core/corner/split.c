@@ -348,9 +348,7 @@ static norma_result find_firsts(split_work *work, const norma_report *report, st
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = norma_core_counts_edges(prepared->call, report),
         .see = see_to_number,
-        .context = work,
-        .target = work->firsts,
-        .target_size = 1};
+        .context = work};
     norma_core_stage(prepared->call, 0.5, 0.75);
     return norma_core_visit_positions(prepared, &visit, sum);
 }

@@ -38,13 +38,6 @@ CORE_INLINE void measure_all_waiting(
     for (uint32_t i = 0; i < list->waiting; i += CORE_LANES) measure_waiting(s, list, i, out);
 }
 
-/* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's
- * reads misses the caches, so they are asked for in stages, each while something else is computed,
- * so that memory is never idle: the mesh's corners two batches ahead, the positions that these name
- * one batch ahead, the places where the normals go when the star is first touched. */
-
-enum { CORNERS_AHEAD = 2 * BATCH_CORNERS };
-
 int norma_core_can_batch(const core_prepared_mesh *prepared) {
     return !norma_core_sees(prepared->call) &&
            !(prepared->mesh.weld && norma_core_welds_near(prepared->call));
@@ -150,15 +143,6 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         read_face_corners(mesh, list->face[i], list->at[i]);
 }
 
-/* Where normals of neighbours go, once for each face, when it is first met: corner normals of real
- * meshes take 2 to 7 % less. */
-static void ask_for_faces_targets(const star_list *list) {
-    const position_visit *visit = list->visit;
-    const unsigned char *target = visit->target;
-    for (uint32_t i = 0; target && i < list->waiting; ++i)
-        __builtin_prefetch(target + 3 * visit->target_size * list->face[i], 1);
-}
-
 static void read_polygon_corners(
     const core_prepared_mesh *prepared, const kept_faces *kept, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
@@ -174,45 +158,11 @@ static void read_polygon_corners(
     list->waiting = (uint32_t)list->corner_count;
 }
 
-static void ask_for_positions(const core_prepared_mesh *prepared, const star_list *list) {
-    const core_mesh *mesh = &prepared->mesh;
-    for (size_t i = 0; i < list->waiting; ++i) {
-        if (norma_core_kept_faces(prepared)) __builtin_prefetch(&prepared->faces[list->face[i]]);
-        for (size_t k = 0; k < 3; ++k) {
-            const uint32_t at = list->at[i][k];
-            __builtin_prefetch(
-                (const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
-            if (mesh->weld) __builtin_prefetch(&mesh->weld[at]);
-        }
-    }
-}
-
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list) {
     if (norma_core_kept_faces(prepared))
         read_polygon_corners(prepared, batch->kept, list);
     else
         read_triangles(&prepared->mesh, batch->kept, list);
-    if (list->scattered)
-        ask_for_positions(prepared, list);
-    else if (!norma_core_kept_faces(prepared))
-        ask_for_faces_targets(list);
-}
-
-static void ask_for_targets(const star_list *list, const listed_star *star) {
-    const position_visit *visit = list->visit;
-    for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; ++i)
-        __builtin_prefetch(
-            (const unsigned char *)visit->target + visit->target_size * list->corners[i], 1);
-}
-
-static void ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
-    const core_corners_of_position *corners_of = &prepared->corners_of;
-    const core_mesh *mesh = &prepared->mesh;
-    const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD,
-                 listed = corners_of->starts[corners_of->position_count];
-    for (size_t i = begin; i < begin + star->count && i < listed && mesh->corners; ++i)
-        __builtin_prefetch(
-            (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
 }
 
 /* ---- a batch of stars joined and summed: loops over lanes, compiled for each instruction set as
@@ -641,10 +591,6 @@ CORE_INLINE int settle(
     const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     uint32_t fans = 0;
     int all = 1;
-    for (size_t i = 0; list->scattered && i < list->star_count; ++i) {
-        ask_for_targets(list, &list->stars[i]);
-        ask_for_corners(s, &list->stars[i]);
-    }
     measure_list(s, list, t);
     for (size_t i = 0; i < list->star_count; ++i)
         list->stars[i].fan_count = (uint16_t)meet_any_star(s, t, &list->stars[i], edges != NULL);

@@ -89,9 +89,7 @@ static norma_result find_group_fans(
             .counting = prepared->call->options.edges != NULL,
             .skip = skip,
             .see = note_fans,
-            .context = *lead,
-            .target = *lead,
-            .target_size = sizeof **lead};
+            .context = *lead};
         result = *lead ? norma_core_visit_positions(prepared, &visit, &sum) : NORMA_ERROR_MEMORY;
         if (!result && prepared->call->options.edges)
             *prepared->call->options.edges = sum.counts.edges;

@@ -498,7 +498,7 @@ static void give_back(const norma_plan *plan) {
  * room for, some groups after the other. Faces are marked too, since several of their corners may
  * have moved: while another has the plan's bits, those of polygons alone. */
 
-enum { MARKS = 1 << 15, AHEAD = 16 };
+enum { MARKS = 1 << 15 };
 
 typedef struct mark_span {
     size_t low, high; /* what is marked lies here, both included */
@@ -532,19 +532,6 @@ static void clear_marks(uint64_t *bits, mark_span span) {
 static void mark_group(plan_marks *m, size_t group) {
     const size_t at = group - m->first_group; /* of an earlier one wraps round */
     if (at < m->group_count) m->marked += (size_t)mark_once(m->groups, at, &m->group_span);
-}
-
-/* What marking a vertex to come will read, in three steps: its corners, their faces' corners. */
-static void ask_for_vertex(const plan_work *work, size_t i) {
-    const norma_plan *plan = work->plan;
-    if (i + 2 * AHEAD < work->moved_count)
-        __builtin_prefetch(&plan->at_starts[work->moved[i + 2 * AHEAD]]);
-    if (i + AHEAD < work->moved_count)
-        __builtin_prefetch(&plan->at[plan->at_starts[work->moved[i + AHEAD]]]);
-    if (i + AHEAD / 2 >= work->moved_count) return;
-    const uint32_t vertex = work->moved[i + AHEAD / 2];
-    for (uint32_t at = plan->at_starts[vertex]; at < plan->at_starts[vertex + 1]; ++at)
-        __builtin_prefetch(&plan->targets[plan->at[at]]);
 }
 
 /* Its other groups than the first, found by bisection. */
@@ -591,7 +578,6 @@ static void mark_moved(plan_marks *m) {
     for (size_t i = 0; i < m->work->moved_count; ++i) {
         const uint32_t vertex = m->work->moved[i], begin = plan->at_starts[vertex],
                        end = plan->at_starts[vertex + 1];
-        ask_for_vertex(m->work, i);
         for (uint32_t at = begin; at < end; ++at) mark_face(m, face_of_corner(plan, plan->at[at]));
         if (begin == end && plan->unreferenced)
             mark_group(m, plan->first_unreferenced + unreferenced_number(plan, vertex));
