@@ -61,12 +61,12 @@ void norma_large_stl_positions(const large_stl *stl, size_t count) {
  * as the core finds it, the nearest of all blocks in the end. Ties go to the lower number, as
  * there. */
 
-enum { BLOCK = 8192, BYTES_FOR_SITE = 96, BYTES_FOR_QUERY = 112, MOST_SITES = 1 << 24 };
+enum { BLOCK = 8192, BYTES_FOR_SITE = 96, BYTES_FOR_QUERY = 160, MOST_SITES = 1 << 24 };
 
 typedef struct query_batch {
     const large_sites *sites;
     uint32_t *elements, *sources;
-    double *distances;
+    core_segment *nearest; /* from each to its source */
     size_t count, capacity;
     unsigned char *positions; /* of sites in a block, then of the queries, then of the anchor */
     size_t site_capacity, element_size;
@@ -91,29 +91,30 @@ static norma_document_result add_query(query_batch *batch, size_t element) {
     const size_t query = batch->count++;
     batch->elements[query] = (uint32_t)element;
     batch->sources[query] = UINT32_MAX;
-    batch->distances[query] = 0;
     return batch->sites->positions(batch->sites->context, element, 1, query_place(batch, query));
 }
 
 /* ---- one block */
 
-static double passes_distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
-    double p[3], q[3], sum = 0;
-    norma_core_position(mesh, a, p);
-    norma_core_position(mesh, b, q);
-    for (int k = 0; k < 3; ++k) sum += (q[k] - p[k]) * (q[k] - p[k]);
-    return sum;
+/* A place that is not finite keeps the first that it gets. */
+static int is_nearer_still(const query_batch *batch, size_t query, const core_segment *to) {
+    return batch->sources[query] == UINT32_MAX ||
+           (norma_core_finite(to->from) &&
+               norma_core_compare_lengths(to, &batch->nearest[query]) < 0);
 }
 
 static void passes_ask(query_batch *batch, core_nearest *nearest, size_t first) {
     for (size_t i = 0; i < batch->count; ++i) {
         const uint32_t position = (uint32_t)(batch->site_capacity + i);
         const uint32_t site = norma_core_nearest_find(nearest, position);
+        core_segment to;
         if (site == UINT32_MAX) continue;
-        const double away = passes_distance(nearest->mesh, site, position);
-        if (batch->sources[i] != UINT32_MAX && !(away < batch->distances[i])) continue;
+        norma_core_position(nearest->mesh, position, to.from);
+        norma_core_position(nearest->mesh, site, to.to);
+        norma_core_measure_segment(&to);
+        if (!is_nearer_still(batch, i, &to)) continue;
         batch->sources[i] = (uint32_t)(first + site);
-        batch->distances[i] = away;
+        batch->nearest[i] = to;
     }
 }
 
@@ -177,10 +178,10 @@ static norma_document_result open_batch(const large_sites *sites, query_batch *b
         norma_large_some(capped(left / 2 / BYTES_FOR_SITE, BLOCK, MOST_SITES), sites->count);
     batch->elements = norma_large_take(budget, batch->capacity, sizeof *batch->elements);
     batch->sources = norma_large_take(budget, batch->capacity, sizeof *batch->sources);
-    batch->distances = norma_large_take(budget, batch->capacity, sizeof *batch->distances);
+    batch->nearest = norma_large_take(budget, batch->capacity, sizeof *batch->nearest);
     batch->positions = norma_large_take_zeroed(
         budget, batch->site_capacity + batch->capacity + 1, batch->element_size);
-    if (!batch->elements || !batch->sources || !batch->distances || !batch->positions)
+    if (!batch->elements || !batch->sources || !batch->nearest || !batch->positions)
         return norma_large_fail_memory(sites->file);
     return sites->anchor == UINT32_MAX ? NORMA_DOCUMENT_OK
                                        : sites->positions(sites->context, sites->anchor, 1,
@@ -191,7 +192,7 @@ static void close_batch(query_batch *batch) {
     large_budget *budget = &batch->sites->file->budget;
     norma_large_give(budget, batch->elements, batch->capacity, sizeof *batch->elements);
     norma_large_give(budget, batch->sources, batch->capacity, sizeof *batch->sources);
-    norma_large_give(budget, batch->distances, batch->capacity, sizeof *batch->distances);
+    norma_large_give(budget, batch->nearest, batch->capacity, sizeof *batch->nearest);
     norma_large_give(
         budget, batch->positions, batch->site_capacity + batch->capacity + 1, batch->element_size);
 }

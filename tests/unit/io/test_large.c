@@ -265,6 +265,31 @@ static void test_faults(void **state) {
     free_mesh(&m);
 }
 
+/* Of two vertices that are exactly as near, one in the first block and one in the last, the first:
+ * their differences are the same three numbers in another order, whose squares round otherwise. */
+static void test_as_near_in_other_blocks(void **state) {
+    made_mesh m = make_grid();
+    size_t passes;
+    (void)state;
+    m.doubles = 1;
+    spoil(&m);
+    for (size_t i = 1; i <= 40; ++i) {
+        double *here = m.positions[997 * i], *first = m.positions[10 * i],
+               *last = m.positions[VERTICES - 10 * i];
+        for (int k = 0; k < 3; ++k) here[k] = k ? 0 : 300 + 8 * (double)i;
+        for (int k = 0; k < 3; ++k) {
+            const double away =
+                floor(0x1p36 / sqrt((double)(10 * i + 3 * (size_t)k + 2))) * 0x1p-36;
+            first[k] = here[k] + away;
+            last[(k + 1) % 3] = here[(k + 1) % 3] + away;
+        }
+    }
+    write_ply(&m, input);
+    assert_same(NULL, &passes);
+    assert_true(passes > 2);
+    free_mesh(&m);
+}
+
 /* Once more over its own result: nothing changes. */
 static void test_again(void **state) {
     made_mesh m = make_grid();
@@ -407,6 +432,7 @@ int main(void) {
         cmocka_unit_test(test_shared_positions),
         cmocka_unit_test(test_doubles_of_any_size),
         cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_as_near_in_other_blocks),
         cmocka_unit_test(test_again),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_odd_rows),
