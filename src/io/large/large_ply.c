@@ -467,6 +467,7 @@ norma_document_result norma_large_survey(large_ply *ply, large_survey *survey) {
 }
 
 void norma_large_survey_close(large_ply *ply, large_survey *survey) {
+    if (!ply->file) return;
     large_budget *budget = &ply->file->budget;
     norma_large_give(budget, survey->chunks, survey->chunk_count, sizeof *survey->chunks);
     norma_large_give(budget, survey->touching, survey->stretches, sizeof *survey->touching);
