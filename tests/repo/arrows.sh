@@ -137,7 +137,7 @@ tool_objects=$(compiled | grep -E 'norma-cli(-objects)?\.dir/(src/cli|web)/.*\.o
 if [ -n "$tool_objects" ]; then
     # shellcheck disable=SC2086
     asked=$(comm -23 <(nm -u $tool_objects | awk '$1 == "U" && $2 ~ /^norma_/ { print $2 }' | sort -u) <({ nm --defined-only $tool_objects | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }'; scripts/public-symbols.sh; } | sort -u))
-    # The library's reader of JSON serves the tool as well (cli/text/read_json.c).
-    none "the tool calls only public functions, and the reader of JSON" "$(grep -v '^norma_json_' <<<"$asked")"
+    # The library's reader of JSON and UTF-8 serves the tool as well (io/text/json.c).
+    none "the tool calls only public functions, and the reader of JSON and UTF-8" "$(grep -vE '^norma_(json|utf8)_' <<<"$asked")"
 fi
 finish

@@ -3,6 +3,7 @@
  * would read more into them. Names with control characters, with bytes that are not UTF-8 or with
  * marks of direction go through printf, so that what a person sees is what is run. */
 #include "check/findings/check_run.h"
+#include "io/text/text.h"
 #include <string.h>
 
 static const norma_rule rules[] = {
@@ -102,41 +103,12 @@ static void put_text(command_line *line, const char *text) { put(line, text, str
 
 /* ---- what can be read */
 
-/* The bytes of a character of two bytes and more, or 0 if they are not one (RFC 3629). */
-static size_t character_length(const unsigned char *text) {
-    const size_t length = text[0] < 0xC2   ? 0
-                          : text[0] < 0xE0 ? 2
-                          : text[0] < 0xF0 ? 3
-                          : text[0] < 0xF5 ? 4
-                                           : 0;
-    for (size_t i = 1; i < length; ++i)
-        if ((text[i] & 0xC0) != 0x80) return 0;
-    const int too_small =
-                  (text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xF0 && text[1] < 0x90),
-              too_large =
-                  (text[0] == 0xED && text[1] > 0x9F) || (text[0] == 0xF4 && text[1] > 0x8F);
-    return too_small || too_large ? 0 : length;
-}
-
-/* Controls, separators, marks of direction and the byte order mark do not show. */
-static int shows(const unsigned char *text, size_t length) {
-    if (length == 2)
-        return !(text[0] == 0xC2 && text[1] < 0xA0) && memcmp(text, "\xD8\x9C", 2) != 0;
-    if (length != 3) return 1;
-    const unsigned last = text[2];
-    const int general = memcmp(text, "\xE2\x80", 2) == 0 &&
-                        ((last >= 0x8E && last <= 0x8F) || (last >= 0xA8 && last <= 0xAE)),
-              isolates = memcmp(text, "\xE2\x81", 2) == 0 && last >= 0xA6 && last <= 0xA9;
-    return !general && !isolates && memcmp(text, "\xEF\xBB\xBF", 3) != 0;
-}
-
 /* The bytes that can stand in a command as they are; 0: the next byte must be written by its
  * number. */
 static size_t legible_length(const char *word) {
-    const unsigned char *text = (const unsigned char *)word;
-    if (text[0] < 0x80) return text[0] >= 0x20 && text[0] != 0x7F;
-    const size_t length = character_length(text);
-    return length && shows(text, length) ? length : 0;
+    uint32_t code;
+    const size_t length = norma_utf8_take(word, SIZE_MAX, &code);
+    return length && norma_utf8_is_legible(code) ? length : 0;
 }
 
 static int is_legible(const char *word, size_t length) {

@@ -1,6 +1,7 @@
 /* What the subcommands write: text from outside, JSON, words, rules as pages. */
 #define _GNU_SOURCE
 #include "cli/text/text.h"
+#include "io/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,46 +11,14 @@
 /* ---- One function decides what of a text from outside may be written as it is; the
  * others write the rest as escapes. */
 
-/* The bytes of one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF)
- * and its code point. Returns 0 if the bytes are not a character. */
-static size_t decode(const unsigned char *text, uint32_t *code) {
-    const unsigned char lead = text[0];
-    const size_t length = lead < 0x80                   ? 1
-                          : lead >= 0xC2 && lead < 0xE0 ? 2
-                          : lead >= 0xE0 && lead < 0xF0 ? 3
-                          : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                        : 0;
-    if (length < 2) {
-        *code = lead;
-        return length;
-    }
-    *code = lead & (0x7Fu >> length);
-    for (size_t i = 1; i < length; ++i) {
-        if ((text[i] & 0xC0) != 0x80) return 0;
-        *code = *code << 6 | (text[i] & 0x3Fu);
-    }
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    return *code < least[length] || *code > 0x10FFFF || (*code >= 0xD800 && *code <= 0xDFFF)
-               ? 0
-               : length;
-}
-
-/* Controls (C0, DEL, C1), line and paragraph separators, marks of direction (Unicode's
- * Bidi_Control) and the byte order mark. */
-static int is_unsafe(uint32_t code) {
-    return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x61C ||
-           (code >= 0x200E && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||
-           (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF;
-}
-
 static size_t cli_next_character(const char *text, uint32_t *unsafe) {
     uint32_t code;
     *unsafe = 0;
     if (!*text) return 0;
-    const size_t length = decode((const unsigned char *)text, &code);
+    const size_t length = norma_utf8_take(text, SIZE_MAX, &code);
     if (length == 0)
         *unsafe = CLI_NOT_UTF8 + (unsigned char)*text;
-    else if (is_unsafe(code))
+    else if (!norma_utf8_is_legible(code))
         *unsafe = code;
     return length ? length : 1;
 }
@@ -239,37 +208,37 @@ static void write_quoted(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-static void begin_value(cli_json *json, const char *key) {
-    if (json->needs_comma) fputs(", ", json->out);
-    json->needs_comma = 1;
+static void begin_value(cli_json *into, const char *key) {
+    if (into->needs_comma) fputs(", ", into->out);
+    into->needs_comma = 1;
     if (key) {
-        write_quoted(json->out, key);
-        fputs(": ", json->out);
+        write_quoted(into->out, key);
+        fputs(": ", into->out);
     }
 }
 
-void cli_json_open(cli_json *json, const char *key, char bracket) {
-    begin_value(json, key);
-    fputc(bracket, json->out);
-    json->needs_comma = 0;
+void cli_json_open(cli_json *into, const char *key, char bracket) {
+    begin_value(into, key);
+    fputc(bracket, into->out);
+    into->needs_comma = 0;
 }
 
-void cli_json_close(cli_json *json, char bracket) {
-    fputc(bracket, json->out);
-    json->needs_comma = 1;
+void cli_json_close(cli_json *into, char bracket) {
+    fputc(bracket, into->out);
+    into->needs_comma = 1;
 }
 
-void cli_json_string(cli_json *json, const char *key, const char *text) {
-    begin_value(json, key);
+void cli_json_string(cli_json *into, const char *key, const char *text) {
+    begin_value(into, key);
     if (text)
-        write_quoted(json->out, text);
+        write_quoted(into->out, text);
     else
-        fputs("null", json->out);
+        fputs("null", into->out);
 }
 
-void cli_json_size(cli_json *json, const char *key, size_t number) {
-    begin_value(json, key);
-    fprintf(json->out, "%zu", number);
+void cli_json_size(cli_json *into, const char *key, size_t number) {
+    begin_value(into, key);
+    fprintf(into->out, "%zu", number);
 }
 
 char *cli_shortest(char text[32], double number) {
@@ -284,50 +253,50 @@ char *cli_shortest(char text[32], double number) {
     return text;
 }
 
-void cli_json_number(cli_json *json, const char *key, double number) {
+void cli_json_number(cli_json *into, const char *key, double number) {
     char text[32];
-    begin_value(json, key);
-    fputs(isfinite(number) ? cli_shortest(text, number) : "null", json->out);
+    begin_value(into, key);
+    fputs(isfinite(number) ? cli_shortest(text, number) : "null", into->out);
 }
 
-void cli_json_numbers(cli_json *json, const char *key, const double *numbers, size_t count) {
-    cli_json_open(json, key, '[');
-    for (size_t i = 0; i < count; ++i) cli_json_number(json, NULL, numbers[i]);
-    cli_json_close(json, ']');
+void cli_json_numbers(cli_json *into, const char *key, const double *numbers, size_t count) {
+    cli_json_open(into, key, '[');
+    for (size_t i = 0; i < count; ++i) cli_json_number(into, NULL, numbers[i]);
+    cli_json_close(into, ']');
 }
 
-void cli_json_bool(cli_json *json, const char *key, int value) {
-    begin_value(json, key);
-    fputs(value ? "true" : "false", json->out);
+void cli_json_bool(cli_json *into, const char *key, int value) {
+    begin_value(into, key);
+    fputs(value ? "true" : "false", into->out);
 }
 
-void cli_json_null(cli_json *json, const char *key) { cli_json_raw(json, key, "null"); }
+void cli_json_null(cli_json *into, const char *key) { cli_json_raw(into, key, "null"); }
 
-void cli_json_raw(cli_json *json, const char *key, const char *text) {
-    begin_value(json, key);
-    fputs(text, json->out);
+void cli_json_raw(cli_json *into, const char *key, const char *text) {
+    begin_value(into, key);
+    fputs(text, into->out);
 }
 
 /* at: behind the %; what follows it. */
 static const char *print_value(
-    cli_json *json, const char *key, const char *at, va_list *arguments) {
+    cli_json *into, const char *key, const char *at, va_list *arguments) {
     const int is_size = *at == 'z';
     at += is_size;
     const size_t count = is_size ? va_arg(*arguments, size_t) : 0;
     if (*at == 'd' && count == SIZE_MAX)
-        cli_json_null(json, key);
+        cli_json_null(into, key);
     else if (is_size)
-        cli_json_size(json, key, count);
+        cli_json_size(into, key, count);
     else if (*at == 's')
-        cli_json_string(json, key, va_arg(*arguments, const char *));
+        cli_json_string(into, key, va_arg(*arguments, const char *));
     else if (*at == 'g')
-        cli_json_number(json, key, va_arg(*arguments, double));
+        cli_json_number(into, key, va_arg(*arguments, double));
     else
-        cli_json_bool(json, key, va_arg(*arguments, int));
+        cli_json_bool(into, key, va_arg(*arguments, int));
     return at + 1;
 }
 
-void cli_json_print(cli_json *json, const char *format, ...) {
+void cli_json_print(cli_json *into, const char *format, ...) {
     char name[64];
     const char *key = NULL; /* of the next value */
     va_list arguments;
@@ -339,17 +308,17 @@ void cli_json_print(cli_json *json, const char *format, ...) {
             key = name;
             at += length + 1;
         } else if (length) {
-            begin_value(json, key);
-            fwrite(at, 1, length, json->out);
+            begin_value(into, key);
+            fwrite(at, 1, length, into->out);
             key = NULL;
             at += length;
         } else if (*at == '%') {
-            at = print_value(json, key, at + 1, &arguments);
+            at = print_value(into, key, at + 1, &arguments);
             key = NULL;
         } else {
-            if (*at == '{' || *at == '[') cli_json_open(json, key, *at), key = NULL;
-            if (*at == '}' || *at == ']') cli_json_close(json, *at);
-            if (*at == '\n') fputc('\n', json->out);
+            if (*at == '{' || *at == '[') cli_json_open(into, key, *at), key = NULL;
+            if (*at == '}' || *at == ']') cli_json_close(into, *at);
+            if (*at == '\n') fputc('\n', into->out);
             ++at;
         }
     }

@@ -60,21 +60,21 @@ typedef struct cli_json {
     FILE *out;
     int needs_comma;
 } cli_json;
-void cli_json_open(cli_json *json, const char *key, char bracket); /* key NULL within an array */
-void cli_json_close(cli_json *json, char bracket);
+void cli_json_open(cli_json *into, const char *key, char bracket); /* key NULL within an array */
+void cli_json_close(cli_json *into, char bracket);
 /* text NULL: null. Bytes that are not UTF-8 become U+FFFD. */
-void cli_json_string(cli_json *json, const char *key, const char *text);
-void cli_json_size(cli_json *json, const char *key, size_t number);
+void cli_json_string(cli_json *into, const char *key, const char *text);
+void cli_json_size(cli_json *into, const char *key, size_t number);
 /* Reads back as the same number; null if it is not finite. */
-void cli_json_number(cli_json *json, const char *key, double number);
-void cli_json_numbers(cli_json *json, const char *key, const double *numbers, size_t count);
-void cli_json_bool(cli_json *json, const char *key, int value);
-void cli_json_null(cli_json *json, const char *key);
-void cli_json_raw(cli_json *json, const char *key, const char *text); /* which is JSON already */
+void cli_json_number(cli_json *into, const char *key, double number);
+void cli_json_numbers(cli_json *into, const char *key, const double *numbers, size_t count);
+void cli_json_bool(cli_json *into, const char *key, int value);
+void cli_json_null(cli_json *into, const char *key);
+void cli_json_raw(cli_json *into, const char *key, const char *text); /* which is JSON already */
 /* Several at once, as the format shows them: "{path: %s, faces: %zu, where: [%g, %g], by: null}".
  * %s a text, %zu a count, %zd the same, where SIZE_MAX is null, %g a number, %d true or false; any
  * other word stands for itself. Brackets may be closed by another call. */
-CLI_FORMAT(2, 3) void cli_json_print(cli_json *json, const char *format, ...);
+CLI_FORMAT(2, 3) void cli_json_print(cli_json *into, const char *format, ...);
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 
 /* ---- JSON that was read. Strict: besides what RFC 8259 forbids, members that are there twice and

@@ -38,20 +38,6 @@ static int is_xml_character(uint32_t code) {
                         : code == '\t' || code == '\n' || code == '\r';
 }
 
-/* The length of the character in UTF-8; 0: it is none that XML has. */
-static size_t xml_character_length(const unsigned char *text) {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    if (text[0] < 0x80) return (size_t)is_xml_character(text[0]);
-    const size_t length = text[0] >= 0xF0 ? 4 : text[0] >= 0xE0 ? 3 : 2;
-    if (text[0] < 0xC0 || text[0] >= 0xF8) return 0;
-    uint32_t code = text[0] & (0x7FU >> length);
-    for (size_t i = 1; i < length; ++i) { /* the zero byte behind the text ends it */
-        if ((text[i] & 0xC0) != 0x80) return 0;
-        code = code << 6 | (text[i] & 0x3FU);
-    }
-    return code >= least[length] && is_xml_character(code) ? length : 0;
-}
-
 /* &lt; and such: how many bytes of text it takes, and what it stands for; 0: no such. */
 static size_t read_reference(const char *text, uint32_t *code) {
     static const struct {
@@ -279,11 +265,13 @@ static int skip_characters(xml_reader *x) {
 
 /* The whole text once: no byte outside of its characters needs to be looked for afterwards. */
 static int check_characters(xml_reader *x) {
-    const unsigned char *bytes = (const unsigned char *)x->text;
     for (size_t length; x->at < x->size; x->at += length) {
-        length = xml_character_length(bytes + x->at);
-        if (!length) x->begin = x->at;
-        if (!length) return 0;
+        uint32_t code = (unsigned char)x->text[x->at];
+        length = code < 0x80 ? 1 : norma_utf8_take(x->text + x->at, x->size - x->at, &code);
+        if (!length || !is_xml_character(code)) {
+            x->begin = x->at;
+            return 0;
+        }
     }
     x->at = 0;
     return 1;

@@ -343,19 +343,6 @@ static norma_document_result scan_facet(text_scanner *scanner) {
 
 /* What stands after "solid" on its line, as UTF-8: bytes beyond ASCII of some other encoding become
  * question marks. */
-static size_t stl_utf8_length(const char *at, const char *end) {
-    const unsigned char first = (unsigned char)*at;
-    const size_t length = first < 0x80                    ? 1
-                          : first >= 0xC2 && first < 0xE0 ? 2
-                          : (first & 0xF0) == 0xE0        ? 3
-                          : first >= 0xF0 && first < 0xF5 ? 4
-                                                          : 0;
-    if (length > (size_t)(end - at)) return 0;
-    for (size_t i = 1; i < length; ++i)
-        if (((unsigned char)at[i] & 0xC0) != 0x80) return 0;
-    return length;
-}
-
 static norma_document_result stl_take_name(text_scanner *scanner) {
     stl_state *state = scanner->document->state;
     norma_watch *watch = norma_document_watch(scanner->document);
@@ -369,7 +356,8 @@ static norma_document_result stl_take_name(text_scanner *scanner) {
     state->name = name;
     for (scanner->asked = begin;
          begin < end && !norma_watch_passed(watch, &scanner->asked, begin);) {
-        size_t length = stl_utf8_length(begin, end);
+        uint32_t code;
+        size_t length = norma_utf8_take(begin, (size_t)(end - begin), &code);
         *name++ = length ? *begin++ : '?';
         for (size_t i = 1; i < length; ++i) *name++ = *begin++;
         begin += length == 0;

@@ -157,24 +157,6 @@ static int skip_escape(parser *p) {
     return 1;
 }
 
-/* Length of the UTF-8 character at bytes; 0: none. Overlong forms, surrogates and what is beyond
- * U+10FFFF are none. */
-static size_t utf8_length(const unsigned char *bytes, size_t left) {
-    unsigned first = bytes[0];
-    size_t length = first < 0x80                     ? 1
-                    : first >= 0xC2 && first <= 0xDF ? 2
-                    : (first & 0xF0) == 0xE0         ? 3
-                    : first >= 0xF0 && first <= 0xF4 ? 4
-                                                     : 0;
-    if (length == 0 || length > left) return 0;
-    for (size_t i = 1; i < length; ++i)
-        if ((bytes[i] & 0xC0) != 0x80) return 0;
-    if ((first == 0xE0 && bytes[1] < 0xA0) || (first == 0xED && bytes[1] > 0x9F) ||
-        (first == 0xF0 && bytes[1] < 0x90) || (first == 0xF4 && bytes[1] > 0x8F))
-        return 0;
-    return length;
-}
-
 static int skip_string(parser *p) {
     ++p->at;
     for (size_t bytes = 1; p->at < p->size; ++bytes) {
@@ -190,8 +172,8 @@ static int skip_string(parser *p) {
             if (!skip_escape(p)) return 0;
             continue;
         }
-        size_t length =
-            c < 0x80 ? 1 : utf8_length((const unsigned char *)p->text + p->at, p->size - p->at);
+        uint32_t code;
+        size_t length = c < 0x80 ? 1 : norma_utf8_take(p->text + p->at, p->size - p->at, &code);
         if (length == 0) return json_fail(p, "valid UTF-8");
         p->at += length;
     }
@@ -375,6 +357,31 @@ size_t norma_put_utf8(char *out, uint32_t code) {
     for (size_t i = length; i-- > 1; code >>= 6) out[i] = (char)(0x80 | (code & 0x3F));
     out[0] = (char)((length == 2 ? 0xC0 : length == 3 ? 0xE0 : 0xF0) | code);
     return length;
+}
+
+size_t norma_utf8_take(const char *text, size_t left, uint32_t *code) {
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned lead = left ? (unsigned char)text[0] : 0xFF;
+    const size_t length = lead < 0x80                   ? 1
+                          : lead >= 0xC2 && lead < 0xE0 ? 2
+                          : lead >= 0xE0 && lead < 0xF0 ? 3
+                          : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                        : 0;
+    *code = length == 1 ? lead : lead & (0x7FU >> length);
+    if (length > left) return 0;
+    for (size_t i = 1; i < length; ++i) {
+        if (((unsigned char)text[i] & 0xC0) != 0x80) return 0;
+        *code = *code << 6 | ((unsigned char)text[i] & 0x3FU);
+    }
+    return *code < least[length] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)
+               ? 0
+               : length;
+}
+
+int norma_utf8_is_legible(uint32_t code) {
+    return !(code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x61C ||
+             (code >= 0x200E && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||
+             (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF);
 }
 
 /* One escape behind its backslash; lone surrogates become U+FFFD, U+0000 too: C strings end there.

@@ -15,6 +15,14 @@ static inline int norma_is_blank(int byte) { return byte == ' ' || (byte >= '\t'
 int norma_hex_value(int c);                      /* -1: no hexadecimal digit */
 size_t norma_put_utf8(char *out, uint32_t code); /* the bytes that it took, at most four */
 
+/* One character of UTF-8 (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF) at the
+ * beginning of left bytes, or of a text that ends in a zero: how many bytes it has, and its code.
+ * 0: there is none. */
+size_t norma_utf8_take(const char *text, size_t left, uint32_t *code);
+/* Not controls (C0, DEL, C1), line and paragraph separators, marks of direction (Unicode's
+ * Bidi_Control) and the byte order mark. */
+int norma_utf8_is_legible(uint32_t code);
+
 /* How many digits the number at p has, zeros before and after them aside. */
 int norma_significant_digits(const char *p, const char *end);
 

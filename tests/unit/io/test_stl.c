@@ -48,16 +48,23 @@ static void test_text_keeps_all_but_the_normals(void **state) {
     bytes_free(&out);
 }
 
-static void test_the_name_is_utf_8(void **state) {
-    (void)state;
-    document_bytes in = text_file(odd_text);
+static void assert_name(const char *text, const char *name) {
+    document_bytes in = text_file(text);
     norma_document *document = bytes_open(in, "a.stl");
     norma_mesh_info info;
     norma_document_mesh_info(document, 0, &info);
-    assert_string_equal(info.name, "a name ?\xc3\xa9");
+    assert_string_equal(info.name, name);
     assert_string_equal(info.encoding, "text");
     norma_document_close(document);
     bytes_free(&in);
+}
+
+static void test_the_name_is_utf_8(void **state) {
+    (void)state;
+    assert_name(odd_text, "a name ?\xc3\xa9");
+    /* A surrogate, an overlong slash, what lies beyond U+10FFFF, the last character. */
+    assert_name("solid \xed\xa0\x80 \xe0\x80\xaf \xf4\x90\x80\x80 \xf4\x8f\xbf\xbf\nendsolid\n",
+        "??? ??? ???? \xf4\x8f\xbf\xbf");
 }
 
 static void test_mirror_in_text(void **state) {
