@@ -25,8 +25,8 @@ help:
 	@echo "make dist      builds what a release consists of into $(BUILD)/dist: source, tools for Linux, npm package, wheel, Blender add-on, single file, checksums"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
-	@echo "make test      installs what is missing, then runs what each change must pass (two compilers, sanitizers, README; eight to nine minutes on two idle cores)"
-	@echo "make test-all  also the rest: page, npm package, Python, MPI, data set, faults, install, fuzzing (some 65 minutes together); what make test has run is not run again"
+	@echo "make test      installs what is missing, then runs what each change must pass (two compilers, sanitizers, README; five to seven minutes on two idle cores)"
+	@echo "make test-all  also the rest: page, npm package, Python, MPI, data set, faults, install, fuzzing (some 35 minutes together); what make test has run is not run again"
 	@echo "make asan      runs the tests with the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
