@@ -305,34 +305,23 @@ static void print_verdicts_text(
 /* ---- for programs */
 
 static void print_cell_json(cli_json *json, const acid_row *row, const acid_finding *finding) {
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "id", row->id);
-    cli_json_string(json, "verdict", verdict_names[finding->verdict]);
-    cli_json_string(json, "mistake", mistake_id(row, finding));
-    cli_json_open(json, "distances", '{');
+    cli_json_print(json, "{id: %s, verdict: %s, mistake: %s, distances: {", row->id,
+        verdict_names[finding->verdict], mistake_id(row, finding));
     for (size_t i = 0; i < row->reference_count && is_compared(finding); ++i)
         cli_json_number(json, row->references[i].id, finding->distances[i]);
-    cli_json_close(json, '}');
-    cli_json_string(json, "reason", verdict_words(row, finding));
-    cli_json_close(json, '}');
+    cli_json_print(json, "}, reason: %s}", verdict_words(row, finding));
 }
 
 static void print_verdicts_json(
     const acid_work *work, const acid_layout *layout, const acid_judgement *found) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "schema", "norma-acid/1");
-    cli_json_string(&json, "image", work->judge);
-    cli_json_open(&json, "cells", '[');
+    cli_json_print(&json, "{schema: %s, image: %s, cells: [", "norma-acid/1", work->judge);
     for (size_t i = 0; i < layout->row_count; ++i)
         print_cell_json(&json, &layout->rows[i], &found->findings[i]);
-    cli_json_close(&json, ']');
-    cli_json_open(&json, "summary", '{');
+    cli_json_print(&json, "], summary: {");
     for (int i = 0; i < ACID_VERDICTS; ++i)
         cli_json_size(&json, verdict_names[i], found->counts[i]);
-    cli_json_close(&json, '}');
-    cli_json_close(&json, '}');
-    fputc('\n', stdout);
+    cli_json_print(&json, "}}\n");
 }
 
 /* Test Anything Protocol, version 12. */

@@ -177,29 +177,21 @@ static void find_worst(compare_work *work) {
 
 static void write_comparison(
     cli_json *json, const compare_work *work, const norma_comparison *sum) {
-    cli_json_size(json, "corners", sum->corners);
-    cli_json_size(json, "missing", sum->missing);
-    cli_json_open(json, "normals", '{');
-    cli_json_number(json, "p50_deg", cli_to_degrees(sum->p50_rad));
-    cli_json_number(json, "p99_deg", cli_to_degrees(sum->p99_rad));
-    cli_json_number(json, "max_deg", cli_to_degrees(sum->max_rad));
-    cli_json_close(json, '}');
-    cli_json_open(json, "distances", '{');
-    cli_json_number(json, "p50", sum->p50_distance);
-    cli_json_number(json, "p99", sum->p99_distance);
-    cli_json_number(json, "max", sum->max_distance);
-    cli_json_close(json, '}');
-    cli_json_number(json, "share_above", work->limits.given & COMPARE_MAX ? sum->share_above : NAN);
+    cli_json_print(json,
+        "corners: %zu, missing: %zu, normals: {p50_deg: %g, p99_deg: %g, max_deg: %g}, "
+        "distances: {p50: %g, p99: %g, max: %g}, share_above: %g",
+        sum->corners, sum->missing, cli_to_degrees(sum->p50_rad), cli_to_degrees(sum->p99_rad),
+        cli_to_degrees(sum->max_rad), sum->p50_distance, sum->p99_distance, sum->max_distance,
+        work->limits.given & COMPARE_MAX ? sum->share_above : NAN);
 }
 
 static void write_groups(cli_json *json, const compare_work *work) {
     cli_json_open(json, "meshes", '[');
     for (size_t i = 0; i < work->pair.group_count; ++i) {
         const compared_group *group = &work->pair.groups[i];
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", work->pair.other.pieces[group->first].name);
-        cli_json_bool(json, "same_name", group->named);
-        cli_json_string(json, "compared", group->same_faces ? "corners" : "nearest");
+        cli_json_print(json, "{name: %s, same_name: %d, compared: %s",
+            work->pair.other.pieces[group->first].name, group->named,
+            group->same_faces ? "corners" : "nearest");
         write_comparison(json, work, &group->sum);
         cli_json_close(json, '}');
     }
@@ -213,16 +205,13 @@ static void write_worst_places(cli_json *json, const compare_work *work) {
         const norma_compare_sample *s = &work->pair.samples[places[i].corner];
         norma_mesh_info info = {.where = ""};
         norma_document_mesh_info(work->pair.other.document, places[i].piece->mesh, &info);
-        cli_json_open(json, NULL, '{');
-        cli_json_number(json, "angle_deg", cli_to_degrees((double)s->angle_rad));
-        cli_json_number(json, "distance", s->distance < 0 ? NAN : (double)s->distance);
+        cli_json_print(json, "{angle_deg: %g, distance: %g", cli_to_degrees((double)s->angle_rad),
+            s->distance < 0 ? NAN : (double)s->distance);
         cli_json_numbers(json, "position", places[i].position, 3);
         cli_json_numbers(json, "normal", places[i].normal, 3);
         cli_json_numbers(json, "base_normal", places[i].base_normal, 3);
-        cli_json_string(json, "mesh", places[i].piece->name);
-        cli_json_string(json, "where", info.where);
-        cli_json_size(json, "face", places[i].face);
-        cli_json_close(json, '}');
+        cli_json_print(json, "mesh: %s, where: %s, face: %zu}", places[i].piece->name, info.where,
+            places[i].face);
     }
     cli_json_close(json, ']');
 }
@@ -234,21 +223,17 @@ static int passes_gate(const compare_work *work) {
 
 static void write_compare_json(const compare_work *work, const char *error) {
     cli_json json = {.out = work->out};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "base", work->names[0]);
-    cli_json_string(&json, "other", work->names[1]);
+    cli_json_print(&json, "{base: %s, other: %s", work->names[0], work->names[1]);
     if (error) {
         cli_json_string(&json, "error", error);
     } else {
-        cli_json_string(&json, "compared", compared_way(&work->pair));
-        cli_json_number(&json, "max_deg",
-            work->limits.given & COMPARE_MAX ? cli_given_degrees(work->limits.max_rad) : NAN);
-        cli_json_number(
-            &json, "share", work->limits.given & COMPARE_MAX ? work->limits.share : NAN);
+        const int is_limited = (work->limits.given & COMPARE_MAX) != 0;
+        cli_json_print(&json, "compared: %s, max_deg: %g, share: %g", compared_way(&work->pair),
+            is_limited ? cli_given_degrees(work->limits.max_rad) : NAN,
+            is_limited ? work->limits.share : NAN);
         write_comparison(&json, work, &work->pair.all);
-        cli_json_bool(&json, "ok", passes_gate(work));
-        cli_json_bool(&json, "base_computed", work->pair.base.computed);
-        cli_json_bool(&json, "other_computed", work->pair.other.computed);
+        cli_json_print(&json, "ok: %d, base_computed: %d, other_computed: %d", passes_gate(work),
+            work->pair.base.computed, work->pair.other.computed);
         write_groups(&json, work);
         write_worst_places(&json, work);
         if (work->output) cli_json_string(&json, "output", work->output);

@@ -206,23 +206,15 @@ static void notes_json(cli_json *json, const picture_job *job) {
 
 static void report_picture_json(const picture_job *job) {
     cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "input", job->input);
-    cli_json_string(&json, "output", job->output);
-    cli_json_size(&json, "width", job->width);
-    cli_json_size(&json, "height", job->height);
-    cli_json_size(&json, "panels", job->plan.count);
-    cli_json_size(&json, "triangles", job->plan.panels[0].triangles);
-    cli_json_string(&json, "renderer", render_device_name(job->device));
-    cli_json_number(&json, "worst_error_deg", worst_error(job));
-    if (job->plan.difference >= 0)
-        cli_json_size(&json, "largest_difference", (size_t)job->plan.difference);
-    else
-        cli_json_null(&json, "largest_difference");
-    cli_json_size(&json, "lines_left_out", job->sheet.lines_left_out);
-    cli_json_string(&json, "up", render_up_name(job->plan.file->up));
-    cli_json_bool(&json, "up_guessed", job->plan.file->up_guessed);
-    cli_json_string(&json, "not_drawn", job->plan.left_out);
+    cli_json_print(&json,
+        "{input: %s, output: %s, width: %zu, height: %zu, panels: %zu, triangles: %zu, "
+        "renderer: %s, worst_error_deg: %g, largest_difference: %zd, lines_left_out: %zu, up: %s, "
+        "up_guessed: %d, not_drawn: %s",
+        job->input, job->output, job->width, job->height, job->plan.count,
+        job->plan.panels[0].triangles, render_device_name(job->device), worst_error(job),
+        job->plan.difference < 0 ? SIZE_MAX : (size_t)job->plan.difference,
+        job->sheet.lines_left_out, render_up_name(job->plan.file->up), job->plan.file->up_guessed,
+        job->plan.left_out);
     /* of the first panel */
     cli_json_numbers(&json, "world_to_clip", job->plan.panels[0].world_to_clip, 16);
     notes_json(&json, job);
@@ -281,12 +273,7 @@ static int fail_picture(
     cli_print_error(error);
     if (settings->common.json) {
         cli_json json = {.out = stdout};
-        cli_json_open(&json, NULL, '{');
-        cli_json_string(&json, "input", input);
-        cli_json_null(&json, "output");
-        cli_json_string(&json, "error", error->message);
-        cli_json_close(&json, '}');
-        fputc('\n', stdout);
+        cli_json_print(&json, "{input: %s, output: null, error: %s}\n", input, error->message);
     }
     return cli_status_of(error->result);
 }

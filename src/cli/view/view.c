@@ -337,12 +337,8 @@ static void report_page(const view_work *work, const char *input, const char *to
             cli_input_name(input), triangles, shown);
     if (work->common.json) {
         cli_json json = {.out = stdout};
-        cli_json_open(&json, NULL, '{');
-        cli_json_string(&json, "input", input);
-        cli_json_string(&json, "output", to);
-        cli_json_size(&json, "triangles", triangles);
-        cli_json_size(&json, "shown", decimated ? shown : triangles);
-        cli_json_size(&json, "meshes", meshes);
+        cli_json_print(&json, "{input: %s, output: %s, triangles: %zu, shown: %zu, meshes: %zu",
+            input, to, triangles, decimated ? shown : triangles, meshes);
         cli_json_notes(&json, document);
         cli_json_close(&json, '}');
         putchar('\n');
