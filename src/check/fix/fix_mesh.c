@@ -443,6 +443,44 @@ static norma_result share_turned(const fix_maker *m, const uint8_t *inward, cons
     return NORMA_OK;
 }
 
+/* What is closed in its own primitive is a body by itself, whatever touches it: it is not turned
+ * with what is open, unless it is named. marks, named: of this primitive's faces. */
+static norma_result leave_closed(
+    const fix_maker *m, size_t number, const uint8_t *named, uint8_t *marks) {
+    const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
+    core_call call = *m->judge->sides.topology.call;
+    core_topology topology;
+    core_components c;
+    core_mesh mesh = m->meshes[number];
+    norma_result result = norma_core_mesh_content(&call, &mesh);
+    mesh.scale = 1;
+    if (!result) result = norma_core_topology_open(&call, &mesh, &topology);
+    if (result) return result;
+    result = norma_core_pair_edges(&topology, &nobody);
+    if (!result) result = norma_core_find_components(&topology, CORE_JOIN_BODIES, &c);
+    for (size_t i = 0; !result && i < c.count; ++i) {
+        int stays = c.each[i].flags == 0;
+        for (size_t k = c.starts[i]; k < c.starts[i + 1] && stays; ++k) stays = !named[c.faces[k]];
+        for (size_t k = c.starts[i]; k < c.starts[i + 1] && stays; ++k) marks[c.faces[k]] = 0;
+    }
+    if (!result) norma_core_release_components(&call, &c);
+    norma_core_topology_close(&topology);
+    return result;
+}
+
+/* Marks the bodies of which faces are marked. */
+static norma_result mark_open_bodies(const fix_maker *m, const core_components *c, uint8_t *marks) {
+    uint8_t *named = malloc(m->face_count + 1);
+    norma_result result = named ? NORMA_OK : NORMA_ERROR_MEMORY;
+    size_t begin = 0;
+    if (named) memcpy(named, marks, m->face_count);
+    if (named) mark_bodies(c, marks);
+    for (size_t i = 0; m->count > 1 && i < m->count && !result; begin += m->meshes[i++].face_count)
+        if (m->meshes[i].face_count) result = leave_closed(m, i, named + begin, marks + begin);
+    free(named);
+    return result;
+}
+
 static norma_result turn_bodies(const fix_maker *m, uint8_t *inward, uint8_t *open) {
     const int turns = mark_faces_of_group(m, RULE_N302, inward),
               asks = mark_faces_of_group(m, RULE_N304, open);
@@ -453,8 +491,8 @@ static norma_result turn_bodies(const fix_maker *m, uint8_t *inward, uint8_t *op
     result = norma_core_find_components(topology, CORE_JOIN_BODIES, &c);
     if (result) return result;
     mark_bodies(&c, inward);
-    mark_bodies(&c, open);
     if (turns) result = turn_shells(topology, &c, inward);
+    if (!result && asks) result = mark_open_bodies(m, &c, open);
     if (!result && asks) result = ask_rays(m, open);
     norma_core_release_components(topology->call, &c);
     return result ? result : share_turned(m, inward, open);

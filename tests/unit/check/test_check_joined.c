@@ -201,6 +201,31 @@ static void test_rays(void **state) {
     asset_free(&a);
 }
 
+/* A room of one material beside an open box of another: closed, whatever touches it, so that it is
+ * not turned with what is open. */
+static void test_room(void **state) {
+    (void)state;
+    static part parts[2];
+    static const float beside_low[3] = {1, 0, 0}, beside_high[3] = {2, 1, 1};
+    gltf_asset a = {0};
+    norma_fix_summary summary;
+    uint8_t mask[128] = {0};
+    memset(parts, 0, sizeof parts);
+    for (int side = 1; side < 6; ++side) add_side(&parts[0], beside_low, beside_high, side, 0);
+    add_box(&parts[1], 0, 1, 1);
+    norma_document *document = open_parts(&a, parts, 2);
+    const expected wanted[] = {{"N304", "/meshes/0/primitives/0", 1, 7, NORMA_SEVERITY_INFO},
+        {"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_WARNING}};
+    has_only(document, wanted, 2);
+    assert_int_equal(norma_rules_select("N304", mask, NULL), NORMA_OK);
+    const norma_check_options options = {
+        .struct_size = sizeof options, .rules = mask, .open_by_rays = 1};
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(summary.changed, 0);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 /* ---- a shell of one material, its cavity of another */
 
 static void test_cavity(void **state) {
@@ -439,6 +464,7 @@ int main(void) {
         cmocka_unit_test(test_cut),
         cmocka_unit_test(test_open),
         cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_room),
         cmocka_unit_test(test_cavity),
         cmocka_unit_test(test_touching),
         cmocka_unit_test(test_one_of_two),
