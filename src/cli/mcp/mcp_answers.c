@@ -228,10 +228,12 @@ static void mcp_add_findings(answer *a, const mcp_request *request, cli_value fi
 
 /* Each part of an answer whole, or that memory ran out. */
 static void finish(cli_json *json, answer *a, int is_error) {
-    const int told = cli_memory_close(&a->text), has_data = cli_memory_close(&a->data);
+    const int asked = a->data.out != NULL, has_text = cli_memory_close(&a->text),
+              has_data = cli_memory_close(&a->data),
+              told = has_text && a->text.size && has_data == asked;
     cli_json_print(
         json, "content: [{type: \"text\", text: %s}]", told ? a->text.text : "out of memory");
-    if (has_data && a->data.size) cli_json_raw(json, "structuredContent", a->data.text);
+    if (told && a->data.size) cli_json_raw(json, "structuredContent", a->data.text);
     cli_json_bool(json, "isError", is_error || !told);
     free(a->text.text);
     free(a->data.text);
