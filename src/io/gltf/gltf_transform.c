@@ -18,7 +18,8 @@ enum {
 
 /* Parents before their children; NULL: out of memory; to be freed. */
 static uint32_t *gltf_bake_order(const gltf *g, const gltf_tree *tree) {
-    uint32_t *order = norma_io_allocate((size_t)g->node_count + 1, sizeof *order);
+    uint32_t *order =
+        tree->nodes ? norma_io_allocate((size_t)g->node_count + 1, sizeof *order) : NULL;
     uint32_t count = 0;
     for (uint32_t i = 0; order && i < g->node_count; ++i)
         if (tree->nodes[i].parent == GLTF_NONE) order[count++] = i;

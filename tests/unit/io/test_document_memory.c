@@ -70,7 +70,7 @@ void __wrap_free(void *block) {
 
 /* ---- what is done */
 
-enum { COMPUTED, TRANSFORMED, MENDED, JOINED, KINDS };
+enum { COMPUTED, TRANSFORMED, RECENTRED, MENDED, JOINED, KINDS };
 
 typedef struct outcome {
     norma_document_result result;
@@ -138,6 +138,8 @@ static norma_document_result change(norma_document *d, int kind, outcome *out) {
         return result ? result : norma_document_compute(d, &compute, NULL, &out->error);
     case TRANSFORMED:
         return norma_document_transform(d, &transform, NULL, &out->error);
+    case RECENTRED:
+        return norma_document_recentre(d, NULL, NULL, &out->error);
     default:
         return mend(d, out);
     }
