@@ -39,9 +39,9 @@ if(NORMA_WERROR)
 endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
-set(web_seldom "call_|topology_|mesh_(kdtree|nearest)|plan_(plan_(groups|blocks|build)|overflow|morph)")
-string(APPEND web_seldom "|tangent_(steady|tangent_plan|tangent_vertices)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
-string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|prepared)|face_(face_exact|cut)|smooth_split")
+set(web_seldom "call_|topology_|mesh_nearest|plan_(plan_build|morph)")
+string(APPEND web_seldom "|tangent_(steady|tangent_plan|tangent_vertices)|matrix_(matrix_info|encode|normal_matrix)|vertex_open_sum")
+string(APPEND web_seldom "|corner_(star_fans|star.c|index_corners|normal_cone)|face_(face_exact|cut)")
 
 # Compressed glTF.
 set(web_has_meshopt OFF)

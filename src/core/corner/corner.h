@@ -369,8 +369,7 @@ typedef struct fan_batch {
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);
-/* Reads the corners of the faces that are not kept yet; once the list before the last is settled.
- */
+/* Reads the corners of the faces that are not kept yet; once the list before is settled. */
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list);
 /* Joins and sums the fans of all stars in the list; 0: some are not ordinary. edges
  * may be NULL. */

@@ -1,5 +1,5 @@
-/* star_kernel.c: ordinary stars, many at a time: their triangles are measured eight at a time, what
- * memory has to say is asked for ahead, and fans are joined and summed in loops over lanes. */
+/* star_kernel.c: ordinary stars, many at a time: their triangles are measured eight at a time, and
+ * fans are joined and summed in loops over lanes. */
 #include "core/corner/corner.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/face.h"

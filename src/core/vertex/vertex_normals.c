@@ -9,32 +9,6 @@
 #include "core/mesh/mesh.h"
 #include <stdatomic.h>
 
-/* ---- what becomes of each vertex, by sums or by cones, before it is written. */
-
-typedef struct core_vertices {
-    core_prepared_mesh *prepared;
-    size_t count;          /* vertices */
-    core_vertex_sum *sums; /* of positions */
-    uint32_t *own; /* NULL where nothing cancels; else of each vertex its number in own_sums,
-                      UINT32_MAX: its position's sum stands */
-    core_vertex_sum *own_sums; /* of the corners of one vertex alone */
-    size_t own_count;
-    float (*normals)[3]; /* of cones, instead of sums: of positions, and of vertices with a result
-                            of their own */
-    uint8_t *reasons;
-} core_vertices;
-
-static void release_vertices(core_vertices *vertices) {
-    const core_call *call = vertices->prepared->call;
-    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
-    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
-    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
-    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
-    norma_core_release(call, vertices->reasons, vertices->count, 1);
-    *vertices = (core_vertices){.prepared = vertices->prepared};
-}
-#include "core/corner/corner.h"
-
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
     for (size_t i = 0; i < count; ++i) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
 }
@@ -521,6 +495,31 @@ norma_result norma_core_sum_all(
     for (size_t i = 0; i < work.bins.count; ++i)
         norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     return result;
+}
+
+/* ---- what becomes of each vertex, by sums or by cones, before it is written. */
+
+typedef struct core_vertices {
+    core_prepared_mesh *prepared;
+    size_t count;          /* vertices */
+    core_vertex_sum *sums; /* of positions */
+    uint32_t *own; /* NULL where nothing cancels; else of each vertex its number in own_sums,
+                      UINT32_MAX: its position's sum stands */
+    core_vertex_sum *own_sums; /* of the corners of one vertex alone */
+    size_t own_count;
+    float (*normals)[3]; /* of cones, instead of sums: of positions, and of vertices with a result
+                            of their own */
+    uint8_t *reasons;
+} core_vertices;
+
+static void release_vertices(core_vertices *vertices) {
+    const core_call *call = vertices->prepared->call;
+    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
+    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
+    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
+    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
+    norma_core_release(call, vertices->reasons, vertices->count, 1);
+    *vertices = (core_vertices){.prepared = vertices->prepared};
 }
 
 /* ---- sums that cancel: once more, over the corners of each vertex alone */
