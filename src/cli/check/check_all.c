@@ -250,6 +250,8 @@ static void collect_checked(check_collector *all, const checked_file *checked) {
         .size = checked->report.size};
     part->done = 1;
     note_fraction(all, checked->file, 1);
+    if (checked->totals.unreported)
+        cli_error("%s: not reported: out of memory", cli_input_name(part->entry.path));
     add_totals(&all->totals, &checked->totals);
     if (all->settings->baseline)
         check_baseline_add(all->settings->baseline, checked->known.text, checked->known.size,
@@ -369,7 +371,6 @@ static checked_file check_into_memory(const check_settings *asked, const check_c
         checked.report.size = 0;
         checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
         checked.totals.incomplete = checked.totals.unreported = 1;
-        cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->list[file].path));
     }
     if (!checked.known.text) checked.known.size = 0;
     return checked;
@@ -452,15 +453,17 @@ static int receive_checked(
     return 0;
 }
 
-/* Until it ends. *next: behind the last file that it began. */
-static void listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
+/* Until it ends. *next: behind the last file that it began. 0: what it said of a file was not heard
+ * whole, since it ended there or there was no memory for it. */
+static int listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
     check_message message;
     while (cli_worker_receive(worker, &message, sizeof message)) {
         if (message.kind == MESSAGE_BEGUN) *next = message.file + 1;
         if (message.kind == MESSAGE_FRACTION) note_fraction(all, message.file, message.fraction);
-        if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) break;
+        if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) return 0;
         (void)report_percent(all);
     }
+    return 1;
 }
 
 static void report_lost_check(
@@ -488,8 +491,10 @@ static void check_alone(check_collector *all, const check_configs *configs, size
         check_range(all, configs, NULL, file, file + 1);
         return;
     }
-    listen_to(all, &worker, &next);
-    if (!cli_worker_wait(&worker, 1, why) && is_waited_for(all, file)) {
+    const int was_heard = listen_to(all, &worker, &next),
+              ended_well = cli_worker_wait(&worker, 1, why);
+    if (!was_heard && ended_well) snprintf(why, sizeof why, "out of memory");
+    if (!(was_heard && ended_well) && is_waited_for(all, file)) {
         cli_remove_left_by(worker.process, all->settings->files, file);
         report_lost_check(all, configs, file, why);
     }
@@ -517,9 +522,9 @@ static int check_in_workers(check_collector *all, const check_configs *configs) 
             check_range(all, configs, NULL, next, count);
             break;
         }
-        listen_to(all, &worker, &next);
-        const int is_done = next == count && all->told == count;
-        if (cli_worker_wait(&worker, !is_done, why)) break;
+        const int was_heard = listen_to(all, &worker, &next),
+                  is_done = next == count && all->told == count;
+        if (cli_worker_wait(&worker, !is_done, why) && was_heard) break;
         if (is_done) { /* its end was no file's fault */
             cli_error("%s", why);
             return CLI_FILE;
