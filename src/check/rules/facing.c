@@ -1,4 +1,5 @@
-/* N201 to N204, N206 and N207: stored normals against the faces around them. */
+/* N201 to N204, N206 and N207: stored normals against the faces around them. Begin at
+ * norma_check_facing, at the end. */
 #include "check/explain/explain.h"
 #include "check/rules/rules.h"
 #include "core/face/face.h"

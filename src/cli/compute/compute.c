@@ -1,6 +1,7 @@
 /* norma compute: normals of the surface, written into a copy of each file; with --together those of
  * one surface that lies in many files; and norma seams, which makes the same of more files than a
- * process holds, in three steps. */
+ * process holds, in three steps. The plain run begins at compute_run; what is decided about the
+ * normals is decided in io/format/normals.c. */
 #include "cli/files/files.h"
 #include <math.h>
 #include <stdlib.h>

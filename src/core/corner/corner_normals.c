@@ -1,5 +1,6 @@
 /* corner_normals.c: every star of a mesh, in parallel: ordinary ones many at a time, others one by
- * one, the largest last; and norma_corner_normals, which writes their fans. */
+ * one, the largest last; and norma_corner_normals, which writes their fans. Begin there, at the
+ * end; the largest, with which the file begins, are the rarest. */
 #include "core/call/call.h"
 #include "core/corner/corner.h"
 #include "core/mesh/mesh.h"

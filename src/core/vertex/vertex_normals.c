@@ -2,8 +2,8 @@
  * positions by range, each with the faces that touch it (bins), from the corners to the output, or
  * all sums kept. The groups of a plan are summed by the same two (norma_core_sum_bins,
  * norma_core_sum_all). The kernels of add_kernel.template.h add most faces and finish most sums;
- * here is what they leave. norma_vertex_normals: sums or cones first; then each vertex takes what
- * became of its position, or of itself, and is written. */
+ * here is what they leave. Begin at norma_vertex_normals, at the end: sums or cones first; then
+ * each vertex takes what became of its position, or of itself, and is written. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"

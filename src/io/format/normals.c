@@ -1,5 +1,6 @@
 /* normals.c: what is decided when the normals of a file are computed, and what a matrix or a move
- * makes of positions and stored normals, alike for every format. */
+ * makes of positions and stored normals, alike for every format. The core is called by vertex, by
+ * corner, or, as by default, for vertices that are split at creases (norma_split). */
 #include "io/format/format.h"
 #include "core/call/call.h"
 #include "core/face/unit_length.h"

@@ -1,5 +1,5 @@
 /* gltf_transform.c: a matrix over an asset, node transforms baked into meshes, and meshes moved
- * near their origin. */
+ * near their origin. Begin at norma_gltf_transform, at the end. */
 #include "io/gltf/gltf_layout.h"
 #include <stdlib.h>
 #include <string.h>
