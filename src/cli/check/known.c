@@ -622,6 +622,7 @@ int check_baseline_note(const check_baseline *baseline, const char *path,
 
 void check_baseline_add(check_baseline *baseline, const char *known, size_t size, int forgot) {
     baseline->incomplete |= forgot;
+    if (!size) return;
     for (const char *at = known, *end = known + size; at < end;) {
         char *path;
         const size_t count = (size_t)strtoull(at, &path, 10);

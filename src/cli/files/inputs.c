@@ -606,10 +606,10 @@ static int compare_numbers(const void *a, const void *b) {
 
 /* A tileset may draw one file at many places: it is read where it is named first. */
 static void drop_repeated(cli_inputs *inputs, size_t first) {
-    cli_input *tiles = inputs->list + first;
     const size_t count = inputs->count - first;
     size_t kept = 0;
     if (!count) return;
+    cli_input *tiles = inputs->list + first;
     qsort(tiles, count, sizeof *tiles, cli_compare_inputs);
     for (size_t i = 0; i < count; ++i) {
         if (kept && strcmp(tiles[i].path, tiles[kept - 1].path) == 0)
